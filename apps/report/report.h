@@ -1,0 +1,71 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "calibration/bagnold_fit.h"
+#include "calibration/comparison.h"
+#include "calibration/mu_phi_fit.h"
+#include "continuum/chute_1d.h"
+#include "dem/local_data.h"
+
+namespace grainlaw::report {
+
+/// One DEM run against the continuum prediction of its scene.
+struct RunComparison {
+  dem::LocalData data;
+  calibration::SampleKind kind = calibration::SampleKind::in_sample;
+  continuum::SteadyChute steady;                  ///< quadrature
+  std::optional<continuum::TransientChute> start;  ///< CVODE, from rest, at the DEM frame times
+  std::vector<calibration::TransientError> start_error;
+  std::optional<calibration::ProfileError> error;  ///< absent: no steady profile on one side
+  double steady_against_transient = 0.0;  ///< relative max difference, quadrature against CVODE
+  std::optional<calibration::ProfileError> naive_error;  ///< nearest calibration profile rescaled
+  std::string naive_source;                              ///< name of that run
+  std::optional<calibration::BagnoldFit> own_bagnold;    ///< closure A fitted to this very run
+  std::optional<calibration::ProfileError> own_bagnold_error;  ///< and its error in sample
+  /// Closure A fitted at the nearest calibration tilt, used here as if a, b were constants.
+  std::optional<calibration::ProfileError> foreign_bagnold_error;
+  std::string foreign_bagnold_source;
+  double predict_seconds = 0.0;  ///< wall, steady + transient + band
+};
+
+/// Error of law and prediction when only part of the DEM averaging time is used.
+struct TimeErrorPoint {
+  double averaging_time = 0.0;    ///< per calibration run [time]
+  double dem_wall_seconds = 0.0;  ///< of all calibration runs up to here, start-up included
+  dem::Estimate mu0;              ///< as fitted from this much data
+  double law_error = 0.0;  ///< largest relative difference of I(theta) over the fitted tilts from the
+                           ///< fit to all data
+  double law_standard_error = 0.0;  ///< relative, of I at the middle tilt, as the fit claims
+  /// Relative L2 velocity error of each predicted run, in the order of Report::runs; NaN: no answer.
+  std::vector<double> profile_error;
+  std::string failure;  ///< not empty: no fit was possible with this much data, and why
+};
+
+struct StageCost {
+  std::string stage;
+  double wall_seconds = 0.0;
+  double cpu_seconds = 0.0;
+};
+
+/// All a report shows. Everything in it was computed before; the report only writes.
+struct Report {
+  std::string title;
+  std::string command;  ///< that made it
+  continuum::RheologyTable table;
+  std::optional<calibration::MuPhiFit> fit;  ///< absent when the table was given
+  std::vector<RunComparison> runs;
+  std::vector<TimeErrorPoint> error_against_time;
+  std::vector<StageCost> costs;
+  std::vector<std::string> warnings;
+};
+
+/// Writes DIR/report.html (self-contained, offline), DIR/report.json and, in DIR/plots, the gnuplot
+/// scripts, CSV files and SVGs behind every figure. Without gnuplot the report has tables and CSV
+/// and says so. Throws io::FileError.
+void write_report(const Report& report, const std::filesystem::path& directory);
+
+}  // namespace grainlaw::report

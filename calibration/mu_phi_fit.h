@@ -1,0 +1,42 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "calibration/bagnold_fit.h"
+#include "calibration/fit_summary.h"
+#include "continuum/rheology_table.h"
+#include "dem/local_data.h"
+
+namespace grainlaw::calibration {
+
+/// The single independent point that one steady chute gives: depth rows of one chute share mu and I
+/// and are not independent.
+struct FlowPoint {
+  std::string name;
+  double inclination = 0.0;        ///< [rad]
+  dem::Estimate friction;          ///< mu = sigma_xz / sigma_zz through the bulk (tan theta in balance)
+  dem::Estimate inertial_number;   ///< from the velocity profile with its own no-slip height
+  dem::Estimate volume_fraction;   ///< bulk phi
+  dem::Estimate no_slip_height;    ///< [d]
+  dem::Estimate mass_below;        ///< [rho_p d]
+  double softness_lower = 0.0;     ///< p* range of the rows used
+  double softness_upper = 0.0;
+};
+
+/// The laws mu(I), phi(I) over all tilts, closure (B).
+struct MuPhiFit {
+  continuum::RheologyTable table;
+  std::vector<FlowPoint> points;
+  FitSummary friction;         ///< mu0, beta, kappa (kappa dropped and said so when not identifiable)
+  FitSummary volume_fraction;  ///< phi0, I_phi
+};
+
+/// Measures the point of one run. Throws FitError like fit_bagnold.
+FlowPoint flow_point(const dem::LocalData& data, const RowSelection& selection = {});
+
+/// Fits mu(I) and phi(I) with errors in both axes (effective variance). Needs at least two runs at
+/// different tilts. Throws FitError.
+MuPhiFit fit_mu_phi(std::span<const dem::LocalData> runs, const RowSelection& selection = {});
+
+}  // namespace grainlaw::calibration

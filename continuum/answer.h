@@ -1,0 +1,40 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace grainlaw::continuum {
+
+/// What a question to the continuum solver may end in; never a bare profile.
+enum class Outcome {
+  steady,          ///< steady flow, residual met
+  plug,            ///< steady flow under an unsheared plug
+  arrested,        ///< no motion: the yield stress holds the layer (or stopped it)
+  accelerating,    ///< still gaining speed when the time ran out, no steady state ahead
+  no_steady,       ///< the drive exceeds the largest friction: no steady flow exists
+  no_dense_state,  ///< steady friction exists only beyond I_phi, where phi would vanish
+  not_converged,   ///< neither steady nor excluded within the time or tolerance given
+  time_reached,    ///< a transient was asked for and ran to its end
+};
+
+std::string_view name(Outcome outcome);  ///< STEADY, PLUG, ARRESTED, ...
+
+/// The law was used outside the range of its data (never silent).
+struct RangeFlag {
+  std::string quantity;          ///< "I", "p*", "Bo", "phi", "inclination"
+  double lower = 0.0;            ///< range of the data
+  double upper = 0.0;
+  double reached_lowest = 0.0;   ///< values met in this prediction
+  double reached_highest = 0.0;
+  double fraction_outside = 0.0;  ///< of the flowing mass
+};
+
+struct Answer {
+  Outcome outcome = Outcome::not_converged;
+  std::string text;                ///< one sentence for a person, with the numbers that decide
+  std::vector<RangeFlag> out_of_domain;
+  double condition_number = 0.0;   ///< d ln I / d ln mu at the tilt; 0 where it has no meaning
+};
+
+}  // namespace grainlaw::continuum

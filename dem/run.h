@@ -1,0 +1,39 @@
+#pragma once
+
+#include <functional>
+
+#include "dem/local_data.h"
+#include "dem/scene.h"
+
+namespace grainlaw::dem {
+
+/// The state of a run, for a progress line.
+struct Progress {
+  double time = 0.0;            ///< since the start of the flow [time]
+  double expected_end = 0.0;    ///< best present estimate [time]
+  long steps = 0;
+  double wall_seconds = 0.0;
+  double mean_velocity = 0.0;   ///< [length/time]
+  bool settling = false;        ///< packing and settling, before the flow starts
+};
+
+/// Called between frames; return false to stop the run after this frame (its data are kept).
+using Observer = std::function<bool(const Progress&)>;
+
+/// A run that cannot go on: NaN, lost grain, overlap above max_overlap. Names grain, contact, step.
+struct RunError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// Conditions of the scene that fits and predictions may use.
+ChuteConditions conditions(const Scene& scene);
+
+/// Runs the scene from rest: pack, settle at zero tilt, tilt, flow until the steady window is long
+/// enough or the time limit is reached. Same scene, seed and build: identical numbers.
+/// Throws SceneError, StepRefused, RunError.
+LocalData run(const Scene& scene, const Observer& observer = {});
+
+/// Seconds one step of this scene takes on this machine, from a short measurement.
+double measure_step_seconds(const Scene& scene);
+
+}  // namespace grainlaw::dem
