@@ -1,0 +1,32 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "apps/io/units.h"
+#include "continuum/chute_1d.h"
+
+namespace grainlaw::io {
+
+enum class Question { steady, start };
+
+/// A chute to predict, in internal units (m = d = g = 1), and the units of its file.
+struct CaseFile {
+  std::string name;
+  continuum::ChuteCase chute;  ///< mass_per_area is 0 when the depth is given instead
+  Question question = Question::steady;
+  continuum::TransientOptions transient;
+  std::optional<double> depth;  ///< height of the free surface above the base plane [d]
+  Units units;
+  std::string text;
+  std::filesystem::path path;
+};
+
+/// Throws InputError, FileError.
+CaseFile read_case(const std::filesystem::path& path);
+
+/// The keys of a case file as Markdown.
+std::string case_keys();
+
+}  // namespace grainlaw::io

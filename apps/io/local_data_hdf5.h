@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+#include "apps/io/scene_input.h"
+#include "dem/local_data.h"
+
+namespace grainlaw::io {
+
+/// A local data file: the data of a run and what made them.
+struct RunRecord {
+  dem::LocalData data;  ///< in internal units (m = d = g = 1)
+  std::string scene_text;
+  Units units;  ///< of the scene text
+  std::uint64_t seed = 0;
+  std::string version;  ///< of the program
+  std::string host;     ///< where, when and on how many cores it ran; group /run
+  std::string date;
+  int cores = 0;
+};
+
+/// Writes local data with the scene they belong to. The same run gives the same bytes outside the
+/// group /run. In Python:
+///     file = h5py.File("run.h5")
+///     z, v, error = (file["rows"][name][:] for name in ("z", "velocity", "velocity_error"))
+///     theta, unit = file["conditions"].attrs["inclination"], file["rows/velocity"].attrs["unit"]
+/// Safe to call from several threads. Throws FileError.
+void write_local_data(const dem::LocalData& data,
+                      const SceneFile& scene,
+                      const std::filesystem::path& path);
+
+/// Reads what write_local_data wrote, bit for bit. Throws FileError with a sentence for a file
+/// that is foreign, cut short, changed or of a newer format.
+dem::LocalData read_local_data(const std::filesystem::path& path);
+RunRecord read_run_record(const std::filesystem::path& path);
+
+/// Hash of everything outside the group /run, 16 hexadecimal digits (--digest).
+std::string digest(const std::filesystem::path& path);
+
+}  // namespace grainlaw::io

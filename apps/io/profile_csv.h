@@ -1,0 +1,22 @@
+#pragma once
+
+#include <string>
+
+#include "apps/io/units.h"
+#include "continuum/answer.h"
+#include "continuum/profile.h"
+
+namespace grainlaw::io {
+
+/// A profile in the given units, as CSV with the unit of every column in its header and the answer
+/// in comment lines before it.
+std::string profile_csv(const continuum::Profile& profile,
+                        const continuum::Answer& answer,
+                        const Units& units);
+
+/// Same as JSON.
+std::string profile_json(const continuum::Profile& profile,
+                         const continuum::Answer& answer,
+                         const Units& units);
+
+}  // namespace grainlaw::io

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <string>
+
+#include "apps/io/input_file.h"
+
+namespace grainlaw::io {
+
+/// Exponents of mass, length and time.
+struct Dimension {
+  int mass = 0;
+  int length = 0;
+  int time = 0;
+};
+
+namespace dimension {
+inline constexpr Dimension number{};
+inline constexpr Dimension length{0, 1, 0};
+inline constexpr Dimension time{0, 0, 1};
+inline constexpr Dimension rate{0, 0, -1};
+inline constexpr Dimension velocity{0, 1, -1};
+inline constexpr Dimension flux{0, 2, -1};
+inline constexpr Dimension temperature{0, 2, -2};
+inline constexpr Dimension acceleration{0, 1, -2};
+inline constexpr Dimension force{1, 1, -2};
+inline constexpr Dimension stiffness{1, 0, -2};
+inline constexpr Dimension dashpot{1, 0, -1};
+inline constexpr Dimension density{1, -3, 0};
+inline constexpr Dimension mass_per_area{1, -2, 0};
+inline constexpr Dimension stress{1, -1, -2};
+inline constexpr Dimension bagnold_a{1, -1, 0};   ///< mass/length
+inline constexpr Dimension bagnold_b{1, -1, -1};  ///< mass/(length time)
+}  // namespace dimension
+
+/// One internal unit (grain mass m, mean diameter d, sqrt(d/g)) in the units of a file.
+/// Named sets: "grain" (m, d, g = 1), "stiffness" (rho_p, d, k_n = 1), "si" (kg, m, s).
+struct Units {
+  std::string name = "grain";
+  double length = 1.0;
+  double mass = 1.0;
+  double time = 1.0;
+
+  double size(Dimension dimension) const;         ///< of one internal unit, in the file's units
+  Unit operator[](Dimension dimension) const;     ///< for a key: "mass/time^2" and the size
+  std::string symbol(Dimension dimension) const;  ///< "kg/s^2" or "m/t^2"; "1" for a number
+  std::string symbols() const;  ///< what the letters of symbol() stand for, a sentence
+};
+
+/// Units of a named set, for the diameter, density and gravity of a file in that set.
+Units grain_units();
+Units stiffness_units(double gravity);
+Units si_units(double diameter, double density, double gravity);
+
+/// Reads `units`, [grains] and the key `gravity` of `section`, and refuses keys that the named set
+/// already fixes (a diameter in units of diameters).
+Units read_units(InputFile& in, Section& section);
+
+/// Degrees to radians.
+double radians(double degrees);
+double degrees(double radians);
+
+}  // namespace grainlaw::io
