@@ -1,0 +1,253 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+
+#include "apps/campaign_run.h"
+#include "apps/command_line.h"
+#include "apps/compare_runs.h"
+#include "apps/directory_lock.h"
+#include "apps/io/campaign_input.h"
+#include "apps/io/local_data_hdf5.h"
+#include "apps/io/profile_csv.h"
+#include "apps/io/rheology_table_toml.h"
+#include "apps/io/safe_write.h"
+#include "apps/program.h"
+#include "apps/scene_run.h"
+
+namespace grainlaw {
+namespace {
+
+namespace fs = std::filesystem;
+using std::chrono::steady_clock;
+
+struct Arguments {
+  std::string campaign;
+  std::string output = "calibration";
+  std::vector<std::string> from;
+};
+
+double seconds_since(steady_clock::time_point start) {
+  return std::chrono::duration<double>(steady_clock::now() - start).count();
+}
+
+/// Runs of a campaign: those that calibrate and those that are predicted.
+struct Runs {
+  std::vector<dem::LocalData> fitted;
+  std::vector<dem::LocalData> predicted;
+  std::vector<report::StageCost> costs;
+  std::vector<std::string> warnings;
+
+  std::vector<dem::LocalData> all() const {
+    std::vector<dem::LocalData> runs = fitted;
+    runs.insert(runs.end(), predicted.begin(), predicted.end());
+    std::sort(runs.begin(), runs.end(), [](const auto& a, const auto& b) {
+      return a.conditions.inclination < b.conditions.inclination;
+    });
+    return runs;
+  }
+};
+
+/// Calibration runs first: the fit needs them.
+std::vector<io::SceneFile> scenes(const io::Campaign& campaign) {
+  std::vector<io::SceneFile> files;
+  for (const auto* tilts : {&campaign.calibrate_tilts, &campaign.predict_tilts}) {
+    for (const double tilt : *tilts) files.push_back(io::scene_at(campaign, tilt));
+  }
+  return files;
+}
+
+bool among(double inclination, const std::vector<double>& tilts) {
+  return std::any_of(
+      tilts.begin(), tilts.end(), [&](double tilt) { return std::abs(tilt - inclination) < 1e-9; });
+}
+
+void sort_in(Runs& runs, dem::LocalData data, const io::Campaign& campaign) {
+  if (!data.window.steady) {
+    runs.warnings.push_back(fmt::format(
+        "{} is not steady and is not fitted or scored: {}", data.name, data.window.reason));
+  }
+  if (among(data.conditions.inclination, campaign.calibrate_tilts) && data.window.steady) {
+    runs.fitted.push_back(std::move(data));
+  } else {
+    runs.predicted.push_back(std::move(data));
+  }
+}
+
+Runs measure(const io::Campaign& campaign, const fs::path& directory, int threads, bool quiet) {
+  Runs runs;
+  ProgressLine progress(quiet);
+  const fs::path run_directory = directory / "runs";
+  fs::create_directories(run_directory);
+  for (CampaignRun& run : run_scenes(scenes(campaign), run_directory, threads, progress)) {
+    if (!run.data) {
+      runs.warnings.push_back(fmt::format("{} failed: {}", run.name, run.failure));
+      continue;
+    }
+    runs.costs.push_back({"DEM " + run.name, run.data->summary.wall_seconds, run.cpu_seconds});
+    sort_in(runs, std::move(*run.data), campaign);
+  }
+  return runs;
+}
+
+Runs gather(const io::Campaign& campaign, const std::vector<std::string>& files) {
+  Runs runs;
+  for (const std::string& file : files) {
+    dem::LocalData data = io::read_local_data(file);
+    runs.costs.push_back({"DEM " + data.name, data.summary.wall_seconds, 0.0});
+    sort_in(runs, std::move(data), campaign);
+  }
+  return runs;
+}
+
+/// Predictions are written from the scenes alone, before any predicted run is looked at.
+void write_predictions(const io::Campaign& campaign,
+                       const continuum::RheologyTable& table,
+                       const fs::path& directory) {
+  fs::create_directories(directory);
+  for (const double tilt : campaign.predict_tilts) {
+    const io::SceneFile file = io::scene_at(campaign, tilt);
+    const auto chute = chute_case(dem::conditions(file.scene));
+    auto steady = continuum::steady_chute(table, chute);
+    if (steady.profile.rows.empty()) continue;
+    continuum::add_error_band(steady, table, chute);
+    io::safe_write(directory / (file.scene.name + ".csv"),
+                   io::profile_csv(steady.profile, steady.answer, io::grain_units()));
+  }
+}
+
+void add_fit_lines(Summary& summary, const calibration::MuPhiFit& fit) {
+  for (const calibration::FitSummary* part : {&fit.friction, &fit.volume_fraction}) {
+    for (const auto& coefficient : part->coefficients) {
+      summary.add_estimate(
+          coefficient.name, coefficient.name, coefficient.value, coefficient.error);
+    }
+  }
+}
+
+void add_error_lines(Summary& summary, const std::vector<report::RunComparison>& runs) {
+  for (const report::RunComparison& run : runs) {
+    const std::string key = fmt::format("{:.4g}", io::degrees(run.data.conditions.inclination));
+    const std::string label = fmt::format("{} degrees, {}", key, name(run.kind));
+    if (run.error) {
+      summary.add_estimate("velocity_error_percent_" + key,
+                           label,
+                           100.0 * run.error->velocity.value,
+                           100.0 * run.error->velocity.error,
+                           "% velocity error (relative L2, base layer included)");
+    } else {
+      summary.add(
+          "answer_" + key, label, run.steady.answer.text + "; DEM: " + run.data.window.reason);
+    }
+    if (run.naive_error) {
+      summary.add_estimate("naive_error_percent_" + key,
+                           "  naive guess",
+                           100.0 * run.naive_error->velocity.value,
+                           100.0 * run.naive_error->velocity.error,
+                           "% (" + run.naive_source + " rescaled)");
+    }
+  }
+}
+
+void write_bagnold_tables(const std::vector<report::RunComparison>& runs,
+                          const fs::path& directory) {
+  fs::create_directories(directory);
+  for (const report::RunComparison& run : runs) {
+    if (!run.own_bagnold || run.kind != calibration::SampleKind::in_sample) continue;
+    io::write_table(run.own_bagnold->table, directory / (run.data.name + ".toml"));
+  }
+}
+
+void record_checks(continuum::RheologyTable& table,
+                   const std::vector<report::RunComparison>& runs) {
+  for (const report::RunComparison& run : runs) {
+    if (run.kind == calibration::SampleKind::in_sample || !run.error) continue;
+    table.provenance.checked_against.push_back(
+        fmt::format("{} ({}): velocity within {:.1f} +- {:.1f} % (relative L2)",
+                    run.data.name,
+                    name(run.kind),
+                    100.0 * run.error->velocity.value,
+                    100.0 * run.error->velocity.error));
+  }
+}
+
+report::Report evaluate(const io::Campaign& campaign, Runs runs, const fs::path& directory) {
+  report::Report report;
+  report.title = campaign.title;
+  report.warnings = std::move(runs.warnings);
+  report.costs = std::move(runs.costs);
+  auto start = steady_clock::now();
+  report.fit = calibration::fit_mu_phi(runs.fitted);
+  report.table = report.fit->table;
+  report.costs.push_back({"fit", seconds_since(start), 0.0});
+  write_predictions(campaign, report.table, directory / "predictions");
+  const std::vector<dem::LocalData> all = runs.all();
+  start = steady_clock::now();
+  for (const dem::LocalData& data : all) {
+    report.runs.push_back(compare_run(data, report.table, runs.fitted));
+  }
+  report.costs.push_back({"predictions and comparison", seconds_since(start), 0.0});
+  start = steady_clock::now();
+  report.error_against_time = error_against_time(runs.fitted, all, report.table);
+  report.costs.push_back({"error against averaging time", seconds_since(start), 0.0});
+  record_checks(report.table, report.runs);
+  return report;
+}
+
+ExitCode check(const io::Campaign& campaign, const CommonOptions& options) {
+  for (const io::SceneFile& file : scenes(campaign)) {
+    const Summary summary = check_scene(file);
+    fmt::print("{}{}", options.json ? summary.json() : summary.text(), options.json ? "" : "\n");
+  }
+  return ExitCode::answered;
+}
+
+ExitCode calibrate(const Arguments& arguments, const CommonOptions& options) {
+  const io::Campaign campaign = io::read_campaign(arguments.campaign);
+  if (options.check) return check(campaign, options);
+  const fs::path directory = arguments.output;
+  const DirectoryLock lock(directory);
+  catch_stop_signals();
+  Runs runs = arguments.from.empty() ? measure(campaign, directory, options.threads, options.quiet)
+                                     : gather(campaign, arguments.from);
+  if (stop_requested()) {
+    fmt::print(stderr, "stopped; finished runs are in {}\n", (directory / "runs").string());
+    return ExitCode::stopped;
+  }
+  for (const std::string& warning : runs.warnings) fmt::print(stderr, "warning: {}\n", warning);
+  report::Report report = evaluate(campaign, std::move(runs), directory);
+  report.command = "grainlaw calibrate " + fs::path(arguments.campaign).filename().string();
+  io::write_table(report.table, directory / "table.toml");
+  write_bagnold_tables(report.runs, directory / "bagnold");
+  report::write_report(report, directory);
+  Summary summary;
+  add_fit_lines(summary, *report.fit);
+  add_error_lines(summary, report.runs);
+  summary.add("table", "table", (directory / "table.toml").string());
+  summary.add("report", "report", (directory / "report.html").string());
+  if (options.json || !options.quiet)
+    fmt::print("{}", options.json ? summary.json() : summary.text());
+  return ExitCode::answered;
+}
+
+}  // namespace
+}  // namespace grainlaw
+
+int main(int argc, char** argv) {
+  using namespace grainlaw;
+  CommonOptions options;
+  CommandLine line(
+      "grainlaw-calibrate",
+      "Runs the scenes of a campaign, fits mu(I) and phi(I) and, per tilt, a and b, predicts\n"
+      "every run from the fitted table and writes table, predictions and report.",
+      "  grainlaw calibrate data/campaigns/quickstart/campaign.toml -o quickstart-report",
+      options);
+  Arguments arguments;
+  line.required("CAMPAIGN.toml", arguments.campaign, "the campaign");
+  line.option("-o,--output", arguments.output, "folder for results (default: calibration)");
+  line.option_list("--from", arguments.from, "finished runs (RUN.h5) to use instead of running");
+  if (const auto code = line.parse(argc, argv)) return *code;
+  return run_program("grainlaw calibrate", [&] { return calibrate(arguments, options); });
+}

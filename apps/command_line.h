@@ -1,0 +1,50 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/exit_code.h"
+
+namespace grainlaw {
+
+/// Options that every program has.
+struct CommonOptions {
+  bool check = false;  ///< validate the input, say what would be done, run nothing
+  bool json = false;   ///< summary as one JSON object on stdout
+  bool quiet = false;  ///< no progress, no summary; errors still go to stderr
+  int threads = 0;     ///< 0: as many as the machine has
+};
+
+/// The command line of one program.
+class CommandLine {
+ public:
+  CommandLine(const std::string& program,
+              const std::string& description,
+              const std::string& example,
+              CommonOptions& common);
+  ~CommandLine();
+  CommandLine(const CommandLine&) = delete;
+  CommandLine& operator=(const CommandLine&) = delete;
+
+  void required(const std::string& name, std::string& target, const std::string& help);
+  void list(const std::string& name, std::vector<std::string>& target, const std::string& help);
+  void flag(const std::string& name, bool& target, const std::string& help);
+  void option(const std::string& name,
+              std::string& target,
+              const std::string& help,
+              bool is_required = false);
+  void option_list(const std::string& name,
+                   std::vector<std::string>& target,
+                   const std::string& help);
+
+  /// Empty: go on. Otherwise the program ends with this code (help shown, or a usage error).
+  std::optional<int> parse(int argc, char** argv);
+
+ private:
+  struct Parser;
+  std::unique_ptr<Parser> parser_;
+};
+
+}  // namespace grainlaw

@@ -1,0 +1,104 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "apps/command_line.h"
+#include "apps/compare_runs.h"
+#include "apps/directory_lock.h"
+#include "apps/io/local_data_hdf5.h"
+#include "apps/io/rheology_table_toml.h"
+#include "apps/program.h"
+#include "apps/summary.h"
+
+namespace grainlaw {
+namespace {
+
+struct Arguments {
+  std::vector<std::string> runs;
+  std::string table;
+  std::string output = "comparison";
+};
+
+/// Runs named in the table's provenance were fitted; the others are out of sample.
+std::vector<dem::LocalData> fitted_runs(const std::vector<dem::LocalData>& runs,
+                                        const continuum::RheologyTable& table) {
+  std::vector<dem::LocalData> fitted;
+  for (const dem::LocalData& run : runs) {
+    const auto& names = table.provenance.data;
+    if (std::find(names.begin(), names.end(), run.name) != names.end()) fitted.push_back(run);
+  }
+  return fitted;
+}
+
+std::string check_line(const dem::LocalData& data, const continuum::RheologyTable& table) {
+  const auto steady = continuum::steady_chute(table, chute_case(data.conditions));
+  return fmt::format("{}: {:.4g} degrees, {}; table answers {}",
+                     data.name,
+                     io::degrees(data.conditions.inclination),
+                     data.window.steady ? "steady" : "not steady",
+                     name(steady.answer.outcome));
+}
+
+void add_lines(Summary& summary, const report::RunComparison& run) {
+  const std::string label = fmt::format("{} ({})", run.data.name, name(run.kind));
+  if (!run.error) {
+    summary.add(run.data.name, label, run.steady.answer.text + "; DEM: " + run.data.window.reason);
+    return;
+  }
+  summary.add_estimate(run.data.name,
+                       label,
+                       100.0 * run.error->velocity.value,
+                       100.0 * run.error->velocity.error,
+                       "% velocity error (relative L2)");
+}
+
+ExitCode compare(const Arguments& arguments, const CommonOptions& options) {
+  const continuum::RheologyTable table = io::read_table(arguments.table);
+  std::vector<dem::LocalData> runs;
+  for (const std::string& path : arguments.runs) runs.push_back(io::read_local_data(path));
+  Summary summary;
+  if (options.check) {
+    for (const dem::LocalData& data : runs) summary.add(data.name, "run", check_line(data, table));
+    fmt::print("{}", options.json ? summary.json() : summary.text());
+    return ExitCode::answered;
+  }
+  const std::filesystem::path directory = arguments.output;
+  const DirectoryLock lock(directory);
+  const std::vector<dem::LocalData> fitted = fitted_runs(runs, table);
+  report::Report report;
+  report.title =
+      "DEM against continuum: " + std::filesystem::path(arguments.table).filename().string();
+  report.command = "grainlaw compare";
+  report.table = table;
+  for (const dem::LocalData& data : runs) {
+    report.costs.push_back({"DEM " + data.name, data.summary.wall_seconds, 0.0});
+    report.runs.push_back(compare_run(data, table, fitted));
+    report.costs.push_back({"prediction " + data.name, report.runs.back().predict_seconds, 0.0});
+    add_lines(summary, report.runs.back());
+  }
+  report::write_report(report, directory);
+  summary.add("report", "report", (directory / "report.html").string());
+  if (options.json || !options.quiet)
+    fmt::print("{}", options.json ? summary.json() : summary.text());
+  return ExitCode::answered;
+}
+
+}  // namespace
+}  // namespace grainlaw
+
+int main(int argc, char** argv) {
+  using namespace grainlaw;
+  CommonOptions options;
+  CommandLine line(
+      "grainlaw-compare",
+      "Predicts the scene of every DEM run from a table and reports the differences.",
+      "  grainlaw compare quickstart-report/runs/*.h5 --table quickstart-report/table.toml",
+      options);
+  Arguments arguments;
+  line.list("RUN.h5", arguments.runs, "local data of DEM runs");
+  line.option("-t,--table", arguments.table, "rheology table", true);
+  line.option("-o,--output", arguments.output, "folder for the report (default: comparison)");
+  if (const auto code = line.parse(argc, argv)) return *code;
+  return run_program("grainlaw compare", [&] { return compare(arguments, options); });
+}

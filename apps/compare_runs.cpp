@@ -1,0 +1,226 @@
+#include "apps/compare_runs.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace grainlaw {
+namespace {
+
+using std::chrono::duration;
+using std::chrono::steady_clock;
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+double seconds_since(steady_clock::time_point start) {
+  return duration<double>(steady_clock::now() - start).count();
+}
+
+bool has_profile(const continuum::SteadyChute& steady) {
+  return !steady.profile.rows.empty();
+}
+
+std::vector<double> frame_times(const dem::LocalData& data) {
+  std::vector<double> times;
+  for (const dem::ProfileFrame& frame : data.frames.frames) {
+    times.push_back(0.5 * (frame.begin + frame.end));
+  }
+  return times;
+}
+
+const dem::LocalData* nearest_tilt(std::span<const dem::LocalData> runs, double inclination) {
+  const auto distance = [&](const dem::LocalData& run) {
+    return std::abs(run.conditions.inclination - inclination);
+  };
+  const auto best = std::min_element(runs.begin(), runs.end(), [&](const auto& a, const auto& b) {
+    return distance(a) < distance(b);
+  });
+  return best == runs.end() ? nullptr : &*best;
+}
+
+std::vector<double> tilts(std::span<const dem::LocalData> runs) {
+  std::vector<double> values;
+  for (const dem::LocalData& run : runs) values.push_back(run.conditions.inclination);
+  return values;
+}
+
+std::optional<calibration::ProfileError> error_of(const dem::LocalData& data,
+                                                  const continuum::SteadyChute& steady) {
+  if (!data.window.steady || !has_profile(steady)) return std::nullopt;
+  return calibration::profile_error(data, steady.profile);
+}
+
+void add_naive_guess(report::RunComparison& run, const dem::LocalData& nearest) {
+  run.naive_source = nearest.name;
+  run.naive_error =
+      calibration::profile_error(run.data, calibration::naive_guess(nearest, run.data.conditions));
+}
+
+/// Closure A: fitted to this run (its own tilt), and taken from the nearest fitted tilt.
+void add_bagnold(report::RunComparison& run, std::span<const dem::LocalData> fitted) {
+  const continuum::ChuteCase chute = chute_case(run.data.conditions);
+  run.own_bagnold = calibration::fit_bagnold(run.data);
+  run.own_bagnold_error =
+      error_of(run.data, continuum::steady_chute(run.own_bagnold->table, chute));
+  std::vector<dem::LocalData> others;
+  for (const dem::LocalData& other : fitted) {
+    if (other.conditions.inclination != run.data.conditions.inclination) others.push_back(other);
+  }
+  if (const dem::LocalData* other = nearest_tilt(others, run.data.conditions.inclination)) {
+    run.foreign_bagnold_source = other->name;
+    run.foreign_bagnold_error =
+        error_of(run.data, continuum::steady_chute(calibration::fit_bagnold(*other).table, chute));
+  }
+}
+
+/// The same run as if it had been stopped after a share of its averaging time.
+dem::LocalData shortened(const dem::LocalData& data, double share) {
+  dem::LocalData part = data;
+  part.window.end = data.window.begin + share * (data.window.end - data.window.begin);
+  part.rows = dem::average(part.frames, part.conditions, part.window);
+  return part;
+}
+
+double wall_seconds(const dem::LocalData& data, double share) {
+  const dem::RunSummary& run = data.summary;
+  return run.startup_wall_seconds + share * (run.wall_seconds - run.startup_wall_seconds);
+}
+
+/// I of the steady flow at a tilt, for rigid grains: the inverse of mu(I) = tan(theta).
+double inertial_number(const continuum::RheologyTable& table, double inclination) {
+  const auto& law = std::get<continuum::MuPhi>(table.law).friction;
+  const double excess = std::tan(inclination) - law.mu0;
+  return excess / (law.beta - law.kappa * excess);
+}
+
+double standard_error_of_I(const calibration::MuPhiFit& fit, double inclination) {
+  const continuum::RheologyTable& table = fit.table;
+  if (!table.covariance) return nan;
+  const auto& names = table.covariance->names;
+  const double centre = inertial_number(table, inclination);
+  std::vector<double> slope;
+  for (const std::string& name : names) {
+    continuum::RheologyTable moved = table;
+    const double value = continuum::coefficient(table, name);
+    const double step = 1e-6 * std::max(std::abs(value), 1e-3);
+    continuum::set_coefficient(moved, name, value + step);
+    slope.push_back((inertial_number(moved, inclination) - centre) / step);
+  }
+  double variance = 0.0;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    for (std::size_t j = 0; j < names.size(); ++j) {
+      variance += slope[i] * (*table.covariance)(i, j) * slope[j];
+    }
+  }
+  return std::sqrt(std::max(variance, 0.0)) / centre;
+}
+
+void add_errors(report::TimeErrorPoint& point,
+                const calibration::MuPhiFit& fit,
+                const continuum::RheologyTable& final_table,
+                std::span<const dem::LocalData> fitted,
+                std::span<const dem::LocalData> all) {
+  for (const dem::LocalData& run : fitted) {
+    const double theta = run.conditions.inclination;
+    const double reference = inertial_number(final_table, theta);
+    point.law_error =
+        std::max(point.law_error, std::abs(inertial_number(fit.table, theta) / reference - 1.0));
+  }
+  std::vector<double> angles = tilts(fitted);
+  std::sort(angles.begin(), angles.end());
+  point.law_standard_error = standard_error_of_I(fit, angles[angles.size() / 2]);
+  point.mu0 = {fit.friction["mu0"].value, fit.friction["mu0"].error};
+  for (const dem::LocalData& run : all) {
+    const auto steady = continuum::steady_chute(fit.table, chute_case(run.conditions));
+    const auto error = error_of(run, steady);
+    point.profile_error.push_back(error ? error->velocity.value : nan);
+  }
+}
+
+}  // namespace
+
+continuum::ChuteCase chute_case(const dem::ChuteConditions& conditions) {
+  continuum::ChuteCase chute;
+  chute.inclination = conditions.inclination;
+  chute.gravity = conditions.gravity;
+  chute.mass_per_area = conditions.mass_per_area;
+  chute.grains.diameter = conditions.grain_diameter;
+  chute.grains.density = conditions.grain_density;
+  chute.grains.stiffness = conditions.stiffness;
+  return chute;
+}
+
+Prediction predict_chute(const continuum::RheologyTable& table,
+                         const continuum::ChuteCase& chute,
+                         const std::vector<double>& output_times) {
+  const auto start = steady_clock::now();
+  Prediction prediction;
+  prediction.steady = continuum::steady_chute(table, chute);
+  if (has_profile(prediction.steady)) {
+    continuum::add_error_band(prediction.steady, table, chute);
+    continuum::TransientOptions options;
+    options.output_times = output_times;
+    prediction.start = continuum::start_from_rest(table, chute, options);
+    const continuum::Profile& steady = prediction.steady.profile;
+    for (const continuum::ProfileRow& row : prediction.start->final_profile.rows) {
+      const double difference = calibration::velocity_at(steady, row.z) - row.velocity;
+      prediction.steady_against_transient = std::max(
+          prediction.steady_against_transient, std::abs(difference) / steady.surface_velocity);
+    }
+  }
+  prediction.wall_seconds = seconds_since(start);
+  return prediction;
+}
+
+report::RunComparison compare_run(const dem::LocalData& data,
+                                  const continuum::RheologyTable& table,
+                                  std::span<const dem::LocalData> fitted) {
+  report::RunComparison run;
+  run.data = data;
+  run.kind = calibration::sample_kind(data.conditions.inclination, tilts(fitted));
+  Prediction prediction = predict_chute(table, chute_case(data.conditions), frame_times(data));
+  run.steady = std::move(prediction.steady);
+  run.start = std::move(prediction.start);
+  run.steady_against_transient = prediction.steady_against_transient;
+  run.predict_seconds = prediction.wall_seconds;
+  run.error = error_of(data, run.steady);
+  if (run.start) run.start_error = calibration::transient_error(data, run.start->snapshots);
+  if (!data.window.steady) return run;
+  if (run.kind != calibration::SampleKind::in_sample) {
+    if (const dem::LocalData* near = nearest_tilt(fitted, data.conditions.inclination)) {
+      add_naive_guess(run, *near);
+    }
+  }
+  add_bagnold(run, fitted);
+  return run;
+}
+
+std::vector<report::TimeErrorPoint> error_against_time(
+    std::span<const dem::LocalData> fitted,
+    std::span<const dem::LocalData> all,
+    const continuum::RheologyTable& final_table) {
+  std::vector<report::TimeErrorPoint> points;
+  for (const double share : {1.0 / 16, 1.0 / 8, 1.0 / 4, 1.0 / 2, 1.0}) {
+    report::TimeErrorPoint point;
+    std::vector<dem::LocalData> part;
+    for (const dem::LocalData& run : fitted) {
+      part.push_back(shortened(run, share));
+      point.averaging_time +=
+          (part.back().window.end - part.back().window.begin) / static_cast<double>(fitted.size());
+      point.dem_wall_seconds += wall_seconds(run, share);
+    }
+    try {
+      add_errors(point, calibration::fit_mu_phi(part), final_table, fitted, all);
+    } catch (const calibration::FitError& error) {
+      point.failure = error.what();
+    }
+    points.push_back(std::move(point));
+  }
+  return points;
+}
+
+}  // namespace grainlaw

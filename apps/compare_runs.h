@@ -1,0 +1,37 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "apps/report/report.h"
+
+namespace grainlaw {
+
+/// The chute of a run as the continuum solver sees it: only what is known before the run.
+continuum::ChuteCase chute_case(const dem::ChuteConditions& conditions);
+
+/// Steady quadrature with band, and CVODE from rest at the given times.
+struct Prediction {
+  continuum::SteadyChute steady;
+  std::optional<continuum::TransientChute> start;  ///< absent where no flow starts
+  double steady_against_transient = 0.0;  ///< max |u_quadrature - u_CVODE| / surface velocity
+  double wall_seconds = 0.0;
+};
+Prediction predict_chute(const continuum::RheologyTable& table,
+                         const continuum::ChuteCase& chute,
+                         const std::vector<double>& output_times);
+
+/// Prediction of one run beside its data. `fitted` are the runs the table was fitted to (empty when
+/// it came from elsewhere): they tell in sample from out of sample and give the naive guess.
+report::RunComparison compare_run(const dem::LocalData& data,
+                                  const continuum::RheologyTable& table,
+                                  std::span<const dem::LocalData> fitted);
+
+/// Error of law and predictions as the averaging time of the fitted runs grows from one sixteenth
+/// to all of it; errors of the law are against the fit to everything.
+std::vector<report::TimeErrorPoint> error_against_time(std::span<const dem::LocalData> fitted,
+                                                       std::span<const dem::LocalData> all,
+                                                       const continuum::RheologyTable& final_table);
+
+}  // namespace grainlaw

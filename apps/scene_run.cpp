@@ -1,0 +1,111 @@
+#include "apps/scene_run.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "apps/io/local_data_hdf5.h"
+#include "apps/program.h"
+#include "apps/progress.h"
+
+namespace grainlaw {
+namespace {
+
+/// Working memory of the engine, from the records it keeps per grain and per listed pair.
+double memory_megabytes(const dem::Scene& scene) {
+  constexpr double bytes_per_grain = 1000.0;
+  return scene.geometry.grains * bytes_per_grain / 1e6 + 1.0;
+}
+
+}  // namespace
+
+Summary check_scene(const io::SceneFile& file) {
+  const dem::Scene& scene = file.scene;
+  const double shortest = dem::shortest_contact_time(scene);
+  const double step = dem::time_step(scene);
+  const double longest = scene.measurement.time_limit / step * dem::measure_step_seconds(scene);
+  const double least =
+      std::min(longest, longest * scene.measurement.averaging_time / scene.measurement.time_limit);
+  const dem::SceneSummary parts = dem::summarise(scene);
+  Summary summary;
+  summary.add("scene", "scene", scene.name);
+  summary.add("uses", "uses", parts.used);
+  summary.add("leaves_out", "leaves out", parts.left_out);
+  summary.add("grains", "flowing grains", static_cast<long>(scene.geometry.grains));
+  summary.add("mass_per_area", "mass per area", dem::mass_per_area(scene), "m/d^2");
+  summary.add("shortest_contact_time", "shortest contact", shortest, "sqrt(d/g)");
+  summary.add("time_step", "time step", step, "sqrt(d/g)");
+  summary.add("time_step_reason",
+              "  because",
+              fmt::format("shortest contact time / {:.4g} ({})",
+                          shortest / step,
+                          scene.time_step > 0.0 ? "given in the scene" : "default"));
+  summary.add("memory", "memory", memory_megabytes(scene), "MB");
+  summary.add("run_time_shortest", "run time, at least", duration_text(least));
+  summary.add("run_time_longest", "run time, at most", duration_text(longest));
+  return summary;
+}
+
+dem::LocalData run_scene(const io::SceneFile& file,
+                         const std::filesystem::path& output,
+                         const ShowProgress& show) {
+  dem::LocalData data = dem::run(file.scene, [&](const dem::Progress& now) {
+    show(now);
+    return !stop_requested();
+  });
+  io::write_local_data(data, file, output);
+  return data;
+}
+
+double share_done(const dem::Progress& now) {
+  if (now.settling || now.expected_end <= 0.0) return 0.0;
+  return std::clamp(now.time / now.expected_end, 0.0, 1.0);
+}
+
+double seconds_left(const dem::Progress& now) {
+  const double share = share_done(now);
+  return share > 0.0 ? now.wall_seconds * (1.0 / share - 1.0) : 0.0;
+}
+
+std::string outcome_line(const dem::LocalData& data) {
+  return fmt::format("{}: {} after {}: {}",
+                     data.name,
+                     data.window.steady ? "steady" : "not steady",
+                     duration_text(data.summary.wall_seconds),
+                     data.window.reason);
+}
+
+Summary describe(const dem::LocalData& data) {
+  const dem::RunSummary& run = data.summary;
+  Summary summary;
+  summary.add("name", "run", data.name);
+  summary.add("inclination", "tilt", io::degrees(data.conditions.inclination), "degrees");
+  summary.add("steady", "steady", data.window.steady);
+  summary.add("reason", "  because", data.window.reason);
+  summary.add("window_begin", "averaged from", data.window.begin, "sqrt(d/g)");
+  summary.add("window_end", "to", data.window.end, "sqrt(d/g)");
+  if (!data.rows.empty()) {
+    const dem::LocalRow& middle = data.rows[data.rows.size() / 2];
+    summary.add("middle_z", "mid layer at z", middle.z, "d");
+    const auto add = [&](const char* key, const char* label, dem::Estimate x, const char* unit) {
+      summary.add_estimate(key, label, x.value, x.error, unit);
+    };
+    add("velocity", "  velocity", middle.velocity, "sqrt(g d)");
+    add("shear_rate", "  shear rate", middle.shear_rate, "sqrt(g/d)");
+    add("volume_fraction", "  volume fraction", middle.volume_fraction, "");
+    add("friction", "  stress ratio mu", middle.friction, "");
+    add("inertial_number", "  inertial number I", middle.inertial_number, "");
+    summary.add("effective_samples", "  independent samples", middle.effective_samples);
+  }
+  summary.add("coordination", "coordination Z", run.coordination);
+  summary.add("steps", "steps", run.steps);
+  summary.add("time_step", "time step", run.time_step, "sqrt(d/g)");
+  summary.add("restitution", "restitution at this step", run.restitution);
+  summary.add("largest_overlap", "largest overlap", run.largest_overlap, "radii");
+  summary.add("deep_overlap_share", "contacts deeper than 0.1 r", run.deep_overlap_share);
+  summary.add("energy_residual", "energy ledger residual", run.energy_residual, "of dissipation");
+  summary.add("wall_seconds", "wall time", run.wall_seconds, "s");
+  return summary;
+}
+
+}  // namespace grainlaw

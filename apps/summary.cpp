@@ -1,0 +1,119 @@
+#include "apps/summary.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace grainlaw {
+namespace {
+
+template <class... F>
+struct Overload : F... {
+  using F::operator()...;
+};
+template <class... F>
+Overload(F...) -> Overload<F...>;
+
+nlohmann::ordered_json number(double value) {
+  return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json();
+}
+
+constexpr std::size_t text_columns = 80;
+
+/// Words of `text` in lines that start at column `indent`.
+std::string wrapped(const std::string& text, std::size_t indent) {
+  std::string out;
+  std::size_t column = indent;
+  std::size_t begin = 0;
+  while (begin < text.size()) {
+    const std::size_t end = std::min(text.find(' ', begin), text.size());
+    const std::string word = text.substr(begin, end - begin);
+    if (column > indent && column + 1 + word.size() > text_columns) {
+      out += '\n' + std::string(indent, ' ');
+      column = indent;
+    }
+    if (column > indent) {
+      out += ' ';
+      ++column;
+    }
+    out += word;
+    column += word.size();
+    begin = end + 1;
+  }
+  return out;
+}
+
+std::string value_text(const Summary::Value& value, std::size_t indent) {
+  return std::visit(Overload{[](double x) { return fmt::format("{:.6g}", x); },
+                             [](long n) { return fmt::format("{}", n); },
+                             [](bool yes) { return std::string(yes ? "yes" : "no"); },
+                             [&](const std::string& text) { return wrapped(text, indent); },
+                             [&](const std::vector<std::string>& lines) {
+                               std::string out;
+                               for (const std::string& line : lines) {
+                                 if (!out.empty()) out += '\n' + std::string(indent, ' ');
+                                 out += wrapped(line, indent);
+                               }
+                               return out.empty() ? std::string("none") : out;
+                             }},
+                    value);
+}
+
+}  // namespace
+
+void Summary::add(const std::string& key,
+                  const std::string& label,
+                  Value value,
+                  const std::string& unit) {
+  entries_.push_back({key, label, unit, std::move(value)});
+}
+
+void Summary::add_estimate(const std::string& key,
+                           const std::string& label,
+                           double value,
+                           double error,
+                           const std::string& unit) {
+  entries_.push_back({key, label, unit, value, true, error});
+}
+
+std::string Summary::text() const {
+  std::size_t width = 0;
+  for (const Entry& entry : entries_) width = std::max(width, entry.label.size());
+  std::string out;
+  for (const Entry& entry : entries_) {
+    const std::string value = entry.has_error
+                                  ? value_with_error(std::get<double>(entry.value), entry.error)
+                                  : value_text(entry.value, width + 2);
+    out += fmt::format(
+        "{:<{}}  {}{}{}\n", entry.label, width, value, entry.unit.empty() ? "" : " ", entry.unit);
+  }
+  return out;
+}
+
+std::string Summary::json() const {
+  nlohmann::ordered_json object;
+  for (const Entry& entry : entries_) {
+    nlohmann::ordered_json& target = object[entry.key];
+    if (entry.has_error) {
+      target["value"] = number(std::get<double>(entry.value));
+      target["error"] = number(entry.error);
+    } else if (const double* x = std::get_if<double>(&entry.value)) {
+      target = number(*x);
+    } else {
+      std::visit([&](const auto& value) { target = value; }, entry.value);
+    }
+  }
+  return object.dump(2) + '\n';
+}
+
+std::string value_with_error(double value, double error) {
+  if (!std::isfinite(value)) return "not measured";
+  if (!std::isfinite(error) || error <= 0.0) return fmt::format("{:.6g}", value);
+  const int digits = std::max(0, 1 - static_cast<int>(std::floor(std::log10(error))));
+  if (digits > 9) return fmt::format("{:.6g} +- {:.2g}", value, error);
+  return fmt::format("{:.{}f} +- {:.{}f}", value, digits, error, digits);
+}
+
+}  // namespace grainlaw

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace grainlaw {
+
+/// What a program says at the end: the same entries as lines for people and as JSON for programs.
+class Summary {
+ public:
+  using Value = std::variant<double, long, bool, std::string, std::vector<std::string>>;
+
+  /// `key` is the JSON name, `label` what a person reads; unit may be empty.
+  void add(const std::string& key,
+           const std::string& label,
+           Value value,
+           const std::string& unit = {});
+  /// Value and standard error; JSON gets {"value": , "error": }.
+  void add_estimate(const std::string& key,
+                    const std::string& label,
+                    double value,
+                    double error,
+                    const std::string& unit = {});
+
+  std::string text() const;  ///< aligned lines, at most 80 columns where words allow
+  std::string json() const;
+
+ private:
+  struct Entry {
+    std::string key, label, unit;
+    Value value;
+    bool has_error = false;
+    double error = 0.0;
+  };
+  std::vector<Entry> entries_;
+};
+
+/// "0.3712 +- 0.0041": both rounded to two digits of the error.
+std::string value_with_error(double value, double error);
+
+}  // namespace grainlaw
