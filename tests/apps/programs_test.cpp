@@ -1,0 +1,209 @@
+// The programs as a person meets them: exit codes, messages, files.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Output {
+  int code = -1;
+  std::string text;  ///< stdout and stderr
+};
+
+Output run(const std::string& command) {
+  Output output;
+  FILE* pipe = popen((command + " 2>&1").c_str(), "r");
+  if (pipe == nullptr) return output;
+  std::array<char, 4096> buffer{};
+  while (std::size_t n = std::fread(buffer.data(), 1, buffer.size(), pipe)) {
+    output.text.append(buffer.data(), n);
+  }
+  const int status = pclose(pipe);
+  output.code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  return output;
+}
+
+const std::string bin = GRAINLAW_BIN;
+const std::string data = GRAINLAW_DATA;
+const std::string published = " --table " + data + "/tables/shi2020_mu_p_0.50.toml";
+
+Output grainlaw(const std::string& arguments) {
+  return run(bin + "/grainlaw " + arguments);
+}
+
+class Programs : public testing::Test {
+ protected:
+  Programs() { fs::create_directories(folder_); }
+  ~Programs() override {
+    fs::permissions(folder_, fs::perms::owner_all);
+    fs::remove_all(folder_);
+  }
+
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+  std::string write(const std::string& name, const std::string& text) const {
+    std::ofstream(path(name)) << text;
+    return path(name);
+  }
+  /// Twenty square diameters, five deep: seconds, not minutes.
+  std::string small_scene(const std::string& tilt, const std::string& more = {}) const {
+    return write("scene.toml",
+                 "name = \"small\"\nunits = \"grain\"\n"
+                 "[contact.normal]\nlaw = \"hooke\"\nstiffness = 2e4\nrestitution = 0.88\n"
+                 "[contact.friction]\nlaw = \"sliding\"\ncoefficient = 0.5\n"
+                 "[geometry]\nkind = \"chute\"\ninclination = " +
+                     tilt +
+                     "\nlength = 5\nwidth = 4\ndepth = 5\n"
+                     "[measurement]\naveraging_time = 40\ntime_limit = 150\n" +
+                     more);
+  }
+  std::string chute_case(const std::string& tilt, const std::string& more = {}) const {
+    return write(
+        "case.toml",
+        "units = \"grain\"\n" + more + "[chute]\ninclination = " + tilt + "\nmass_per_area = 30\n");
+  }
+
+ private:
+  fs::path folder_ = fs::temp_directory_path() / ("grainlaw-programs-" + std::to_string(getpid()));
+};
+
+TEST_F(Programs, EveryVerbHelpsWithAnExample) {
+  for (const char* verb : {"dem", "calibrate", "predict", "compare"}) {
+    const Output help = grainlaw(std::string(verb) + " --help");
+    EXPECT_EQ(help.code, 0) << verb;
+    EXPECT_NE(help.text.find("Example"), std::string::npos) << verb;
+    EXPECT_NE(help.text.find("grainlaw " + std::string(verb)), std::string::npos) << verb;
+  }
+}
+
+TEST_F(Programs, AnUnknownVerbOrOptionIsAUsageError) {
+  EXPECT_EQ(grainlaw("fly").code, 1);
+  EXPECT_EQ(grainlaw("").code, 1);
+  EXPECT_EQ(grainlaw("dem --sideways").code, 1);
+}
+
+TEST_F(Programs, PredictLinksNeitherCeresNorHdf5NorDem) {
+  const Output libraries = run("ldd " + bin + "/grainlaw-predict");
+  ASSERT_EQ(libraries.code, 0);
+  EXPECT_EQ(libraries.text.find("ceres"), std::string::npos);
+  EXPECT_EQ(libraries.text.find("hdf5"), std::string::npos);
+  const Output symbols = run("nm -C " + bin + "/grainlaw-predict");
+  ASSERT_EQ(symbols.code, 0);
+  EXPECT_EQ(symbols.text.find("grainlaw::dem"), std::string::npos);
+}
+
+TEST_F(Programs, PredictAnswersSteadyAsJson) {
+  const Output answer = grainlaw("predict " + chute_case("24") + published + " --json");
+  ASSERT_EQ(answer.code, 0) << answer.text;
+  const auto json = nlohmann::json::parse(answer.text);
+  EXPECT_EQ(json["outcome"], "STEADY");
+  EXPECT_GT(json["surface_velocity"]["value"].get<double>(), 0.0);
+}
+
+TEST_F(Programs, ALayerBelowReposeArrestsAndASteepOneHasNoSteadyState) {
+  const Output flat = grainlaw("predict " + chute_case("15") + published);
+  EXPECT_EQ(flat.code, 2);
+  EXPECT_NE(flat.text.find("ARRESTED"), std::string::npos) << flat.text;
+  const Output steep = grainlaw("predict " + chute_case("40") + published);
+  EXPECT_EQ(steep.code, 2);
+  EXPECT_NE(steep.text.find("NO_STEADY"), std::string::npos) << steep.text;
+  const Output thin = grainlaw("predict " + chute_case("34.5") + published);
+  EXPECT_EQ(thin.code, 2);
+  EXPECT_NE(thin.text.find("NO_DENSE_STATE"), std::string::npos) << thin.text;
+}
+
+TEST_F(Programs, StartFromRestAgreesWithTheQuadrature) {
+  const Output answer =
+      grainlaw("predict " + chute_case("24", "answer = \"start\"\n") + published + " --json");
+  ASSERT_EQ(answer.code, 0) << answer.text;
+  const auto json = nlohmann::json::parse(answer.text);
+  const double steady = json["surface_velocity"]["value"];
+  const double transient = json["transient_surface_velocity"];
+  // 200 cells: the grid error of this law is 5e-6 of the surface velocity at 200 cells.
+  EXPECT_NEAR(transient / steady, 1.0, 2e-5);
+}
+
+TEST_F(Programs, PredictWritesProfilesAsCsvAndJson) {
+  const std::string question = chute_case("24");
+  EXPECT_EQ(grainlaw("predict " + question + published + " -o " + path("p.csv")).code, 0);
+  EXPECT_EQ(grainlaw("predict " + question + published + " -o " + path("p.json")).code, 0);
+  EXPECT_GT(fs::file_size(path("p.csv")), 1000u);
+  std::ifstream file(path("p.json"));
+  EXPECT_NO_THROW(nlohmann::json::parse(file));
+}
+
+TEST_F(Programs, AMissingTableIsBadInput) {
+  const Output answer = grainlaw("predict " + chute_case("24") + " --table " + path("none.toml"));
+  EXPECT_EQ(answer.code, 1);
+  EXPECT_NE(answer.text.find("none.toml"), std::string::npos);
+}
+
+TEST_F(Programs, AMisspeltKeyIsShownWithItsNearest) {
+  const std::string scene = small_scene("24", "[time]\nstepp = 1e-4\n");
+  const Output answer = grainlaw("dem " + scene);
+  EXPECT_EQ(answer.code, 1);
+  EXPECT_NE(answer.text.find("scene.toml:18:1"), std::string::npos) << answer.text;
+  EXPECT_NE(answer.text.find("did you mean 'step'"), std::string::npos) << answer.text;
+}
+
+TEST_F(Programs, CheckSaysWhatWouldRunAndRunsNothing) {
+  const std::string scene = small_scene("24");
+  const Output answer = grainlaw("dem " + scene + " --check -o " + path("out.h5"));
+  EXPECT_EQ(answer.code, 0) << answer.text;
+  EXPECT_NE(answer.text.find("leaves out"), std::string::npos);
+  EXPECT_NE(answer.text.find("time step"), std::string::npos);
+  EXPECT_FALSE(fs::exists(path("out.h5")));
+}
+
+TEST_F(Programs, AnUnstableStepIsRefusedUnlessAllowed) {
+  const std::string scene = small_scene("24", "[time]\nstep = 2e-3\n");
+  const Output refused = grainlaw("dem " + scene + " --check");
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_NE(refused.text.find("shortest contact time"), std::string::npos) << refused.text;
+  EXPECT_EQ(grainlaw("dem " + scene + " --check --allow-step").code, 0);
+}
+
+TEST_F(Programs, TheSameSceneGivesTheSameNumbers) {
+  const std::string scene = small_scene("24");
+  const Output first = grainlaw("dem " + scene + " --json -o " + path("a.h5"));
+  const Output second = grainlaw("dem " + scene + " --json -o " + path("b.h5"));
+  auto a = nlohmann::json::parse(first.text.substr(first.text.find('{')));
+  auto b = nlohmann::json::parse(second.text.substr(second.text.find('{')));
+  for (auto* json : {&a, &b}) {
+    json->erase("wall_seconds");
+    json->erase("output");
+  }
+  EXPECT_EQ(a, b);
+}
+
+TEST_F(Programs, ALayerThatStaysAtRestEndsWithItsReason) {
+  const Output answer = grainlaw("dem " + small_scene("15") + " --quiet -o " + path("rest.h5"));
+  EXPECT_EQ(answer.code, 2);
+  EXPECT_NE(answer.text.find("arrested"), std::string::npos) << answer.text;
+  EXPECT_TRUE(fs::exists(path("rest.h5")));
+}
+
+TEST_F(Programs, AFolderThatCannotBeWrittenIsAResourceError) {
+  const Output answer =
+      grainlaw("predict " + chute_case("24") + published + " -o /proc/none/profile.csv");
+  EXPECT_EQ(answer.code, 3);
+  EXPECT_NE(answer.text.find("/proc/none"), std::string::npos) << answer.text;
+}
+
+TEST_F(Programs, ABrokenLocalDataFileIsBadInput) {
+  const std::string broken = write("broken.h5", "this is no HDF5 file");
+  const Output answer = grainlaw("compare " + broken + published + " -o " + path("out"));
+  EXPECT_EQ(answer.code, 1);
+  EXPECT_NE(answer.text.find("broken.h5"), std::string::npos) << answer.text;
+}
+
+}  // namespace
