@@ -12,29 +12,29 @@ namespace grainlaw::dem {
 /// What is known of a chute before it runs: all a fit or a prediction may use beside the data.
 /// In the units of the run.
 struct ChuteConditions {
-  double inclination = 0.0;        ///< theta [rad]
-  double gravity = 1.0;            ///< g [length/time^2]
-  double grain_diameter = 1.0;     ///< d [length]
-  double grain_density = 0.0;      ///< rho_p [mass/length^3]
-  double stiffness = 0.0;          ///< normal contact stiffness k_n [mass/time^2]
-  double contact_friction = 0.0;   ///< mu_p
-  double mass_per_area = 0.0;      ///< of the flowing grains [mass/length^2]
-  std::string base;                ///< recipe of the base in words, equal for equal bases
+  double inclination = 0.0;       ///< theta [rad]
+  double gravity = 1.0;           ///< g [length/time^2]
+  double grain_diameter = 1.0;    ///< d [length]
+  double grain_density = 0.0;     ///< rho_p [mass/length^3]
+  double stiffness = 0.0;         ///< normal contact stiffness k_n [mass/time^2]
+  double contact_friction = 0.0;  ///< mu_p
+  double mass_per_area = 0.0;     ///< of the flowing grains [mass/length^2]
+  std::string base;               ///< recipe of the base in words, equal for equal bases
 };
 
 /// Averages in one bin of z over the steady window, with standard errors by block averaging.
 struct LocalRow {
-  double z = 0.0;           ///< centre of the bin [length], z = 0: highest base centre + d/2
-  double mass_above = 0.0;  ///< per unit area, above the centre of the bin [mass/length^2]
-  Estimate velocity;          ///< v_x [length/time]
-  Estimate shear_rate;        ///< d v_x / d z [1/time]
-  Estimate volume_fraction;   ///< phi
-  Estimate shear_stress;      ///< sigma_xz = contact + kinetic, positive down the slope [stress]
-  Estimate normal_stress;     ///< sigma_zz = contact + kinetic, positive in compression [stress]
-  Estimate temperature;       ///< mean square velocity fluctuation per component [(length/time)^2]
-  Estimate inertial_number;   ///< I = gd d sqrt(rho_p / sigma_zz)  (Shi et al. 2020, eq. 10)
-  Estimate softness;          ///< p* = sigma_zz d / k_n            (Shi et al. 2020, eq. 11)
-  Estimate friction;          ///< mu = sigma_xz / sigma_zz
+  double z = 0.0;            ///< centre of the bin [length], z = 0: highest base centre + d/2
+  double mass_above = 0.0;   ///< per unit area, above the centre of the bin [mass/length^2]
+  Estimate velocity;         ///< v_x [length/time]
+  Estimate shear_rate;       ///< d v_x / d z [1/time]
+  Estimate volume_fraction;  ///< phi
+  Estimate shear_stress;     ///< sigma_xz = contact + kinetic, positive down the slope [stress]
+  Estimate normal_stress;    ///< sigma_zz = contact + kinetic, positive in compression [stress]
+  Estimate temperature;      ///< mean square velocity fluctuation per component [(length/time)^2]
+  Estimate inertial_number;  ///< I = gd d sqrt(rho_p / sigma_zz)  (Shi et al. 2020, eq. 10)
+  Estimate softness;         ///< p* = sigma_zz d / k_n            (Shi et al. 2020, eq. 11)
+  Estimate friction;         ///< mu = sigma_xz / sigma_zz
   double effective_samples = 0.0;  ///< N_eff of the velocity (Flyvbjerg-Petersen)
 };
 
@@ -43,14 +43,15 @@ struct SteadyWindow {
   bool steady = false;
   double begin = 0.0;  ///< [time]
   double end = 0.0;    ///< [time]
-  std::string reason;  ///< in words: why steady, or why not (accelerating, arrested, drifting, short)
+  std::string
+      reason;  ///< in words: why steady, or why not (accelerating, arrested, drifting, short)
 };
 
 /// What a run cost and how far it can be trusted.
 struct RunSummary {
-  double time_step = 0.0;       ///< [time]
-  double contact_time = 0.0;    ///< shortest contact time [time]
-  double restitution = 0.0;     ///< effective normal restitution at this step
+  double time_step = 0.0;     ///< [time]
+  double contact_time = 0.0;  ///< shortest contact time [time]
+  double restitution = 0.0;   ///< effective normal restitution at this step
   long steps = 0;
   int flowing_grains = 0;
   int base_grains = 0;

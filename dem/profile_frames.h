@@ -15,10 +15,14 @@ struct BinMoments {
   double mass_offset = 0.0;                ///< sum m (z - zc) / V, zc the centre of the bin
   double mass_offset_squared = 0.0;        ///< sum m (z - zc)^2 / V
   double momentum_offset = 0.0;            ///< sum m (z - zc) v_x / V
-  std::array<double, 6> contact_stress{};  ///< xx yy zz xy xz yz, compression positive, integrated
-                                           ///< along the branch vectors, exact share of each bin
+  std::array<double, 6> contact_stress{};  ///< xx yy zz xy xz yz, compression positive (so xz is
+                                           ///< negative in a chute): force times branch vector,
+                                           ///< exact share of each bin
   double contacts = 0.0;  ///< number density of grain-contact incidences (each counted per grain)
 };
+
+/// sum += factor * moments.
+void add_scaled(BinMoments& sum, const BinMoments& moments, double factor);
 
 /// Averages over one stretch of time.
 struct ProfileFrame {
@@ -36,7 +40,9 @@ struct ProfileFrames {
   double bin_width = 1.0;  ///< [length]
   std::vector<ProfileFrame> frames;
 
-  double bin_centre(std::size_t k) const { return z_begin + (static_cast<double>(k) + 0.5) * bin_width; }
+  double bin_centre(std::size_t k) const {
+    return z_begin + (static_cast<double>(k) + 0.5) * bin_width;
+  }
 };
 
 /// Mass-averaged flow velocity of a frame, sum momentum_x / sum mass [length/time].

@@ -9,12 +9,12 @@ namespace grainlaw::dem {
 
 /// The state of a run, for a progress line.
 struct Progress {
-  double time = 0.0;            ///< since the start of the flow [time]
-  double expected_end = 0.0;    ///< best present estimate [time]
+  double time = 0.0;          ///< since the start of the flow [time]
+  double expected_end = 0.0;  ///< best present estimate [time]
   long steps = 0;
   double wall_seconds = 0.0;
-  double mean_velocity = 0.0;   ///< [length/time]
-  bool settling = false;        ///< packing and settling, before the flow starts
+  double mean_velocity = 0.0;  ///< [length/time]
+  bool settling = false;       ///< packing and settling, before the flow starts
 };
 
 /// Called between frames; return false to stop the run after this frame (its data are kept).

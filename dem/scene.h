@@ -27,9 +27,12 @@ struct Grains {
 /// Frozen slab cut from a random packing: every grain whose centre lies in a layer of the given
 /// thickness is glued. z = 0 of the chute is the plane of the highest glued centre + d/2.
 struct BumpyBase {
-  double thickness = 1.5;        ///< of the layer of centres [d]
+  double thickness = 1.5;           ///< of the layer of centres [d]
   double packing_fraction = 0.585;  ///< of the packing it is cut from
 };
+
+/// The base in words, equal for equal recipes.
+std::string recipe(const BumpyBase& base);
 
 /// Inclined layer with free surface, periodic in x (flow) and y (vorticity), z normal to the base
 /// (Brewster et al. 2008, section II). Gravity is (g sin(theta), 0, -g cos(theta)).
@@ -44,11 +47,11 @@ struct Chute {
 
 /// What is averaged and for how long. Times in units of the scene.
 struct Measurement {
-  double bin_width = 1.0;        ///< in z [length]
-  double sample_interval = 0.1;  ///< between two samples of the fields [time]
-  double frame_interval = 2.0;   ///< samples are summed over frames of this length [time]
+  double bin_width = 1.0;         ///< in z [length]
+  double sample_interval = 0.1;   ///< between two samples of the fields [time]
+  double frame_interval = 2.0;    ///< samples are summed over frames of this length [time]
   double averaging_time = 200.0;  ///< wanted length of the steady window [time]
-  double time_limit = 1000.0;    ///< the run ends here even if it is not steady [time]
+  double time_limit = 1000.0;     ///< the run ends here even if it is not steady [time]
 };
 
 /// Everything that shapes a DEM run. Plain values; valid after validate().

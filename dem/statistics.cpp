@@ -1,0 +1,132 @@
+#include "dem/statistics.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <numeric>
+#include <vector>
+
+namespace grainlaw::dem {
+namespace {
+
+double mean_of(std::span<const double> series) {
+  return std::accumulate(series.begin(), series.end(), 0.0) / static_cast<double>(series.size());
+}
+
+/// Variance of the mean of all whole blocks of the given length, taken as independent.
+double variance_of_mean(std::span<const double> series, std::size_t length) {
+  const std::size_t blocks = series.size() / length;
+  std::vector<double> means(blocks);
+  for (std::size_t b = 0; b < blocks; ++b) means[b] = mean_of(series.subspan(b * length, length));
+  const double mean = mean_of(means);
+  double sum = 0.0;
+  for (const double m : means) sum += (m - mean) * (m - mean);
+  return sum / static_cast<double>(blocks - 1) / static_cast<double>(blocks);
+}
+
+/// Probability that |t| is below the given value, for a whole number of degrees (Abramowitz and
+/// Stegun 26.7.3, 26.7.4).
+double student_inside(double t, int degrees) {
+  const double angle = std::atan(t / std::sqrt(degrees));
+  const double cos2 = std::cos(angle) * std::cos(angle);
+  const bool odd = degrees % 2 == 1;
+  double term = odd ? std::cos(angle) : 1.0;
+  double sum = degrees == 1 ? 0.0 : term;
+  for (int k = odd ? 2 : 1; k <= degrees - 3; k += 2) {
+    term *= cos2 * k / (k + 1.0);
+    sum += term;
+  }
+  return odd ? 2.0 / std::numbers::pi * (angle + std::sin(angle) * sum) : std::sin(angle) * sum;
+}
+
+}  // namespace
+
+BlockAverage block_average(std::span<const double> series) {
+  BlockAverage result;
+  const std::size_t n = series.size();
+  if (n == 0) return {.mean = std::nan(""), .error = std::nan("")};
+  result.mean = mean_of(series);
+  result.error = std::nan("");
+  result.blocks = n;
+  result.effective_samples = static_cast<double>(n);
+  if (n < 4) return result;
+  const double single = variance_of_mean(series, 1);
+  double variance = single;
+  for (std::size_t length = 1; n / length >= 4; ++length) {
+    variance = variance_of_mean(series, length);
+    result.block_length = length;
+    const double twice_tau = single > 0.0 ? variance / single : 1.0;
+    const double cube = std::pow(static_cast<double>(length), 3.0);
+    if (cube > 2.0 * static_cast<double>(n) * twice_tau * twice_tau) break;
+  }
+  // Anticorrelated blocks would claim more than N samples: not believed.
+  variance = std::max(variance, single);
+  result.error = std::sqrt(variance);
+  result.correlation_time = single > 0.0 ? 0.5 * variance / single : 0.5;
+  result.effective_samples = static_cast<double>(n) / (2.0 * result.correlation_time);
+  result.blocks = n / result.block_length;
+  result.converged = result.blocks >= 10;
+  return result;
+}
+
+std::size_t mser_truncation(std::span<const double> series) {
+  const std::size_t n = series.size();
+  std::size_t best = 0;
+  double smallest = std::numeric_limits<double>::infinity();
+  double count = 0.0, mean = 0.0, squares = 0.0;  // of series[k..n), grown from the end
+  for (std::size_t k = n; k-- > 0;) {
+    count += 1.0;
+    const double difference = series[k] - mean;
+    mean += difference / count;
+    squares += difference * (series[k] - mean);
+    if (2 * k > n || count < 2.0) continue;
+    const double score = squares / (count * count);
+    if (score <= smallest) {
+      smallest = score;
+      best = k;
+    }
+  }
+  return best;
+}
+
+Drift linear_drift(std::span<const double> series) {
+  const auto n = static_cast<double>(series.size());
+  if (series.size() < 4) return {0.0, std::nan(""), 0.0};
+  const double mean = mean_of(series);
+  const double middle = 0.5 * (n - 1.0);
+  double covariance = 0.0, variance = 0.0;
+  for (std::size_t k = 0; k < series.size(); ++k) {
+    const double x = static_cast<double>(k) - middle;
+    covariance += x * (series[k] - mean);
+    variance += x * x;
+  }
+  const double slope = covariance / variance;
+  std::vector<double> rest(series.begin(), series.end());
+  for (std::size_t k = 0; k < rest.size(); ++k) {
+    rest[k] -= slope * (static_cast<double>(k) - middle);
+  }
+  const BlockAverage scatter = block_average(rest);
+  // A slope over N samples is known to sqrt(12) errors of the mean over N.
+  return {slope * n, std::sqrt(12.0) * scatter.error, scatter.effective_samples};
+}
+
+bool Drift::significant(double probability) const {
+  const double degrees = effective_samples - 2.0;
+  if (!(degrees >= 1.0)) return false;
+  return std::abs(change) > student_quantile(0.5 + 0.5 * probability, degrees) * error;
+}
+
+double student_quantile(double probability, double degrees) {
+  const int whole = std::clamp(static_cast<int>(degrees), 1, 1000);
+  const double inside = 2.0 * probability - 1.0;
+  double low = 0.0, high = 1.0;
+  while (student_inside(high, whole) < inside) high *= 2.0;
+  for (int k = 0; k < 60; ++k) {
+    const double middle = 0.5 * (low + high);
+    (student_inside(middle, whole) < inside ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
+}  // namespace grainlaw::dem

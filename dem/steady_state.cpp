@@ -1,0 +1,136 @@
+#include "dem/steady_state.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "dem/statistics.h"
+
+namespace grainlaw::dem {
+namespace {
+
+constexpr double confidence = 0.99;
+
+struct Series {
+  std::string_view name;
+  std::vector<double> values;
+};
+
+std::array<Series, 3> series_of(std::span<const ProfileFrame> frames) {
+  std::array<Series, 3> series{
+      {{"mean velocity", {}}, {"kinetic energy", {}}, {"centre of mass", {}}}};
+  for (const ProfileFrame& frame : frames) {
+    series[0].values.push_back(mean_velocity(frame));
+    series[1].values.push_back(frame.kinetic_energy);
+    series[2].values.push_back(frame.centre_of_mass);
+  }
+  return series;
+}
+
+bool at_rest(std::span<const double> velocity,
+             std::span<const ProfileFrame> frames,
+             const SteadyCriteria& criteria) {
+  const double end = frames.back().end;
+  if (end - frames.front().begin < criteria.rest_time) return false;
+  for (std::size_t k = frames.size(); k-- > 0 && end - frames[k].begin <= criteria.rest_time;) {
+    if (std::abs(velocity[k]) > criteria.rest_velocity) return false;
+  }
+  return true;
+}
+
+/// True where the second half of the run gained at least half as much speed as the first: a
+/// relaxation towards a steady speed gains less and less.
+bool keeps_gaining(std::span<const double> velocity) {
+  const std::size_t n = velocity.size();
+  if (n < 8) return false;
+  const double first = velocity[n / 2] - velocity[0];
+  const double second = velocity[n - 1] - velocity[n / 2];
+  return first > 0.0 && second > 0.5 * first;
+}
+
+/// The series that drifts most clearly, if any does.
+std::string drift_in_words(const std::array<Series, 3>& series, std::size_t first) {
+  std::string words;
+  double clearest = 0.0;
+  for (const Series& s : series) {
+    const Drift drift = linear_drift(std::span(s.values).subspan(first));
+    const double clarity = std::abs(drift.change) / drift.error;
+    if (!drift.significant(confidence) || clarity <= clearest) continue;
+    clearest = clarity;
+    words = fmt::format(
+        "{} changes by {:.3g} +- {:.2g} over the window", s.name, drift.change, drift.error);
+  }
+  return words;
+}
+
+}  // namespace
+
+std::string_view name(FlowState state) {
+  constexpr std::array<std::string_view, 5> names{
+      "short", "drifting", "accelerating", "arrested", "steady"};
+  return names[static_cast<std::size_t>(state)];
+}
+
+Assessment assess(std::span<const ProfileFrame> frames, const SteadyCriteria& criteria) {
+  if (frames.empty()) return {.reason = "short: no frame yet"};
+  const auto series = series_of(frames);
+  const std::vector<double>& velocity = series[0].values;
+  if (at_rest(velocity, frames, criteria)) {
+    return {FlowState::arrested,
+            true,
+            frames.size() - 1,
+            fmt::format("arrested: slower than {} for {} time units",
+                        criteria.rest_velocity,
+                        criteria.rest_time)};
+  }
+  const bool gaining = keeps_gaining(velocity);
+  if (gaining && velocity.back() > criteria.runaway_velocity) {
+    return {FlowState::accelerating,
+            true,
+            frames.size() - 1,
+            fmt::format("accelerating: mean velocity {:.3g}, beyond any dense flow of this depth "
+                        "({:.3g}), and still rising",
+                        velocity.back(),
+                        criteria.runaway_velocity)};
+  }
+  std::size_t first = 0;
+  for (const Series& s : series) first = std::max(first, mser_truncation(s.values));
+  const double length = frames.back().end - frames[first].begin;
+  const std::string drift = drift_in_words(series, first);
+  if (!drift.empty()) {
+    return {gaining ? FlowState::accelerating : FlowState::drifting,
+            false,
+            first,
+            fmt::format("{}: {}", gaining ? "accelerating" : "drifting", drift)};
+  }
+  // Frame lengths are sums of steps: allow for rounding.
+  if (length < criteria.averaging_time * (1.0 - 1e-9)) {
+    return {FlowState::too_short,
+            false,
+            first,
+            fmt::format("short: no drift over {:.4g} time units, {:.4g} are wanted",
+                        length,
+                        criteria.averaging_time)};
+  }
+  return {FlowState::steady,
+          true,
+          first,
+          fmt::format("steady: no drift at {} % confidence over {:.4g} time units",
+                      100.0 * confidence,
+                      length)};
+}
+
+SteadyWindow steady_window(const Assessment& assessment, std::span<const ProfileFrame> frames) {
+  SteadyWindow window;
+  window.steady = assessment.state == FlowState::steady;
+  window.reason = assessment.reason;
+  if (frames.empty()) return window;
+  window.begin = frames[assessment.first_frame].begin;
+  window.end = frames.back().end;
+  return window;
+}
+
+}  // namespace grainlaw::dem

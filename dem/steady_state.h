@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "dem/local_data.h"
+#include "dem/profile_frames.h"
+
+namespace grainlaw::dem {
+
+enum class FlowState { too_short, drifting, accelerating, arrested, steady };
+std::string_view name(FlowState state);
+
+/// What the detector has to know of the run.
+struct SteadyCriteria {
+  double averaging_time = 200.0;  ///< least length of a steady window [time]
+  double rest_velocity = 1e-3;    ///< slower than this for rest_time: arrested [length/time]
+  double rest_time = 20.0;        ///< [time]
+  double runaway_velocity = 1e9;  ///< faster than any dense flow, still speeding up: accelerating
+};
+
+/// Where a run stands after some frames.
+struct Assessment {
+  FlowState state = FlowState::too_short;
+  bool certain = false;         ///< more time will not change it
+  std::size_t first_frame = 0;  ///< of the window that was judged
+  std::string reason;
+};
+
+/// Judges the mean velocity, kinetic energy and centre of mass of the frames. The start is cut by
+/// the marginal standard error rule (latest cut of the three); the rest is steady when it is at
+/// least averaging_time long and no straight line through it drifts at 99 % confidence.
+Assessment assess(std::span<const ProfileFrame> frames, const SteadyCriteria& criteria);
+
+/// The window of an assessment.
+SteadyWindow steady_window(const Assessment& assessment, std::span<const ProfileFrame> frames);
+
+}  // namespace grainlaw::dem
