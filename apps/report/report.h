@@ -17,14 +17,15 @@ namespace grainlaw::report {
 struct RunComparison {
   dem::LocalData data;
   calibration::SampleKind kind = calibration::SampleKind::in_sample;
-  continuum::SteadyChute steady;                  ///< quadrature
+  continuum::SteadyChute steady;                   ///< quadrature
   std::optional<continuum::TransientChute> start;  ///< CVODE, from rest, at the DEM frame times
   std::vector<calibration::TransientError> start_error;
   std::optional<calibration::ProfileError> error;  ///< absent: no steady profile on one side
   double steady_against_transient = 0.0;  ///< relative max difference, quadrature against CVODE
   std::optional<calibration::ProfileError> naive_error;  ///< nearest calibration profile rescaled
   std::string naive_source;                              ///< name of that run
-  std::optional<calibration::BagnoldFit> own_bagnold;    ///< closure A fitted to this very run
+  std::optional<calibration::FlowPoint> point;  ///< measured I, mu, phi, drawn beside the law
+  std::optional<calibration::BagnoldFit> own_bagnold;  ///< closure A fitted to this very run
   std::optional<calibration::ProfileError> own_bagnold_error;  ///< and its error in sample
   /// Closure A fitted at the nearest calibration tilt, used here as if a, b were constants.
   std::optional<calibration::ProfileError> foreign_bagnold_error;
@@ -37,11 +38,12 @@ struct TimeErrorPoint {
   double averaging_time = 0.0;    ///< per calibration run [time]
   double dem_wall_seconds = 0.0;  ///< of all calibration runs up to here, start-up included
   dem::Estimate mu0;              ///< as fitted from this much data
-  double law_error = 0.0;  ///< largest relative difference of I(theta) over the fitted tilts from the
-                           ///< fit to all data
+  double law_error = 0.0;  ///< largest relative difference of I(theta) over the fitted tilts from
+                           ///< the fit to all data
   double law_standard_error = 0.0;  ///< relative, of I at the middle tilt, as the fit claims
-  /// Relative L2 velocity error of each predicted run, in the order of Report::runs; NaN: no answer.
+  /// Relative L2 velocity error of every run, in the order of Report::runs; NaN: no answer.
   std::vector<double> profile_error;
+  std::vector<double> profile_standard_error;  ///< of profile_error; empty: not stated
   std::string failure;  ///< not empty: no fit was possible with this much data, and why
 };
 
@@ -55,6 +57,7 @@ struct StageCost {
 struct Report {
   std::string title;
   std::string command;  ///< that made it
+  std::string machine;  ///< processor, cores and threads used; empty: not stated
   continuum::RheologyTable table;
   std::optional<calibration::MuPhiFit> fit;  ///< absent when the table was given
   std::vector<RunComparison> runs;

@@ -1,0 +1,112 @@
+#include <fmt/format.h>
+
+#include "apps/report/numbers.h"
+#include "apps/report/sections.h"
+
+namespace grainlaw::report {
+namespace {
+
+Html condition_cell(const continuum::Answer& answer) {
+  return text(answer.condition_number > 0.0 ? significant(answer.condition_number, 2) : "–");
+}
+
+Table answer_table(const Report& report) {
+  Table result{.caption = {},
+               .head = {"Run"_html,
+                        "Steady question"_html,
+                        "Start from rest"_html,
+                        "In words"_html,
+                        "d ln <i>I</i> / d ln <i>μ</i>"_html},
+               .rows = {},
+               .text_columns = 4};
+  for (const RunComparison& run : report.runs) {
+    result.rows.push_back({run_label(run),
+                           text(continuum::name(run.steady.answer.outcome)),
+                           text(run.start ? continuum::name(run.start->answer.outcome) : "–"),
+                           text(run.steady.answer.text),
+                           condition_cell(run.steady.answer)});
+  }
+  return result;
+}
+
+std::string interval(double lower, double upper) {
+  return significant(lower, 3) + " to " + significant(upper, 3);
+}
+
+Table flag_table(const Report& report) {
+  Table result{.caption = "Predictions outside the range of the data."_html,
+               .head = {"Run"_html,
+                        "Quantity"_html,
+                        "Range of the data"_html,
+                        "Reached"_html,
+                        "Flowing mass outside [%]"_html},
+               .rows = {},
+               .text_columns = 2};
+  for (const RunComparison& run : report.runs) {
+    for (const continuum::RangeFlag& flag : run.steady.answer.out_of_domain) {
+      result.rows.push_back({run_label(run),
+                             text(flag.quantity),
+                             text(interval(flag.lower, flag.upper)),
+                             text(interval(flag.reached_lowest, flag.reached_highest)),
+                             text(significant(100.0 * flag.fraction_outside, 3))});
+    }
+  }
+  return result;
+}
+
+Html definition(const Html& term, const Html& meaning) {
+  return "<dt>"_html + term + "</dt><dd>"_html + meaning + "</dd>\n"_html;
+}
+
+}  // namespace
+
+Html answer_section(const Report& report) {
+  const Table flags = flag_table(report);
+  Html content = table(answer_table(report));
+  content += flags.rows.empty()
+                 ? paragraph("Every prediction stays inside the range of the data."_html)
+                 : table(flags);
+  return section("answers", "Answers and range flags"_html, content);
+}
+
+Html reading_section() {
+  const Html definitions =
+      definition("<i>z</i> = 0"_html,
+                 "Plane of the highest base-grain centre plus <i>d</i>/2."_html) +
+      definition("No-slip height <i>z</i><sub>0</sub>"_html,
+                 "A bumpy base holds <i>u</i> = 0 not at its top but somewhat above. Profiles are "
+                 "fitted and predicted with <i>u</i> = 0 there; the mass below it does not "
+                 "flow."_html) +
+      definition(
+          "<i>I</i>, <i>p</i>*, <i>μ</i>, <i>φ</i>"_html,
+          "<i>I</i> = <i>γ̇</i> <i>d</i> √(<i>ρ<sub>p</sub></i>/<i>p</i>), <i>p</i>* = "
+          "<i>p</i> <i>d</i>/<i>k<sub>n</sub></i> (Shi et al. 2020, eqs. 10 and 11) with the "
+          "measured rate, the density of the grains and <i>p</i> = "
+          "<i>σ<sub>zz</sub></i>; <i>μ</i> = <i>σ<sub>xz</sub></i>/<i>σ<sub>zz</sub></i>; "
+          "<i>φ</i> is the volume fraction. Stress is contact plus kinetic stress."_html) +
+      definition(
+          "Relative <i>L</i><sub>2</sub>"_html,
+          "√(∫(predicted − measured)² d<i>z</i> / ∫measured² d<i>z</i>) from <i>z</i> = 0, "
+          "base layer included, up to where <i>φ</i> falls below half its bulk value."_html) +
+      definition(
+          "± standard error"_html,
+          "One standard error. Measured numbers: block averages over the steady window. "
+          "Coefficients: covariance of the fit. Profile errors: scatter of the DEM profile "
+          "only. Bands: covariance of the law only. A relative <i>L</i><sub>2</sub> is never "
+          "negative, so noise alone makes it positive: compare with rms / s.e., which is 1 "
+          "for a perfect prediction."_html) +
+      definition(
+          "In sample, interpolation, extrapolation"_html,
+          "Tilt fitted; between fitted tilts; outside them. Never joined in one number."_html) +
+      definition("d ln <i>I</i> / d ln <i>μ</i>"_html,
+                 "How much an error of the friction grows: at 6, a friction 1 % off gives an "
+                 "<i>I</i>, and a velocity, about 6 % off."_html) +
+      definition(
+          "Units of the figures"_html,
+          "Lengths in <i>d</i>, times in √(<i>d</i>/<i>g</i>), velocities in "
+          "√(<i>gd</i>). Every figure stands in <code>plots/</code> as CSV, gnuplot script and "
+          "SVG; change the script and run gnuplot on it there."_html);
+  return section("reading", "How to read this"_html, "<dl>"_html + definitions + "</dl>\n"_html);
+}
+
+}  // namespace grainlaw::report

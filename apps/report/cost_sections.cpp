@@ -1,0 +1,130 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "apps/report/numbers.h"
+#include "apps/report/sections.h"
+
+namespace grainlaw::report {
+namespace {
+
+double flowing_grain_steps_per_second(const dem::RunSummary& run) {
+  return static_cast<double>(run.steps) * run.flowing_grains / run.wall_seconds;
+}
+
+Table dem_table(const Report& report) {
+  Table result{.caption = "DEM runs. Grain-steps count the flowing grains."_html,
+               .head = {"Run"_html,
+                        "Grains, flowing + base"_html,
+                        "Steps"_html,
+                        "Wall time"_html,
+                        "of it start-up"_html,
+                        "Million grain-steps per s"_html,
+                        "Predicted in"_html},
+               .rows = {},
+               .text_columns = 1};
+  for (const RunComparison& run : report.runs) {
+    const dem::RunSummary& cost = run.data.summary;
+    result.rows.push_back({run_label(run),
+                           text(count(cost.flowing_grains) + " + " + count(cost.base_grains)),
+                           text(count(static_cast<double>(cost.steps))),
+                           text(duration(cost.wall_seconds)),
+                           text(duration(cost.startup_wall_seconds)),
+                           text(significant(1e-6 * flowing_grain_steps_per_second(cost), 3)),
+                           text(duration(run.predict_seconds))});
+  }
+  return result;
+}
+
+Table stage_table(const Report& report) {
+  Table result{.caption = "Stages."_html,
+               .head = {"Stage"_html, "Wall time"_html, "CPU time"_html},
+               .rows = {},
+               .text_columns = 1};
+  for (const StageCost& cost : report.costs) {
+    result.rows.push_back(
+        {text(cost.stage), text(duration(cost.wall_seconds)), text(duration(cost.cpu_seconds))});
+  }
+  return result;
+}
+
+std::string window_text(const dem::LocalData& data) {
+  const double unit = scales(data.conditions).time;
+  if (!data.window.steady) return "not steady";
+  return significant(data.window.begin / unit, 4) + " to " + significant(data.window.end / unit, 4);
+}
+
+/// Lowest and middle N_eff over the rows.
+std::string sample_text(const dem::LocalData& data) {
+  std::vector<double> samples;
+  for (const dem::LocalRow& row : data.rows) {
+    if (std::isfinite(row.effective_samples)) samples.push_back(row.effective_samples);
+  }
+  if (samples.empty()) return "–";
+  std::sort(samples.begin(), samples.end());
+  return significant(samples.front(), 2) + " / " + significant(samples[samples.size() / 2], 2);
+}
+
+Table health_table(const Report& report) {
+  Table result{
+      .caption =
+          "Times in √(<i>d</i>/<i>g</i>). <i>N</i><sub>eff</sub>: independent samples of the "
+          "velocity, lowest / median over the rows. Energy residual: what the ledger of all "
+          "channels leaves unexplained, over the energy dissipated. <i>Z</i>: contacts, each "
+          "counted for both grains."_html,
+      .head = {"Run"_html,
+               "Steady window"_html,
+               "<i>N</i><sub>eff</sub>"_html,
+               "Time step"_html,
+               "Contact time / step"_html,
+               "Restitution at this step"_html,
+               "Largest overlap [radius]"_html,
+               "Share above 0.1 [%]"_html,
+               "Energy residual"_html,
+               "<i>Z</i>"_html},
+      .rows = {},
+      .text_columns = 1};
+  for (const RunComparison& run : report.runs) {
+    const dem::RunSummary& health = run.data.summary;
+    result.rows.push_back(
+        {run_label(run),
+         text(window_text(run.data)),
+         text(sample_text(run.data)),
+         text(significant(health.time_step / scales(run.data.conditions).time, 3)),
+         text(significant(health.contact_time / health.time_step, 3)),
+         text(significant(health.restitution, 4)),
+         text(significant(health.largest_overlap, 2)),
+         text(significant(100.0 * health.deep_overlap_share, 2)),
+         text(significant(health.energy_residual, 2)),
+         text(significant(health.coordination, 3))});
+  }
+  return result;
+}
+
+Html window_reasons(const Report& report) {
+  std::vector<Html> items;
+  for (const RunComparison& run : report.runs) {
+    if (run.data.window.reason.empty()) continue;
+    items.push_back(run_label(run) + text(": " + run.data.window.reason));
+  }
+  return items.empty() ? Html{} : list(items);
+}
+
+}  // namespace
+
+Html cost_section(const Report& report) {
+  Html content;
+  if (!report.machine.empty()) content += paragraph(text("Machine: " + report.machine + "."));
+  if (!report.costs.empty()) content += table(stage_table(report));
+  content += table(dem_table(report));
+  return section("cost", "Run time"_html, content);
+}
+
+Html health_section(const Report& report) {
+  return section("health",
+                 "Health of the DEM runs"_html,
+                 table(health_table(report)) + window_reasons(report));
+}
+
+}  // namespace grainlaw::report

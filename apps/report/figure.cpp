@@ -1,0 +1,88 @@
+#include "apps/report/figure.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cctype>
+#include <cmath>
+
+#include "apps/report/numbers.h"
+
+namespace grainlaw::report {
+namespace {
+
+struct SeriesStyle {
+  int point = 0;
+  std::string_view dash;
+  std::string_view colour;
+};
+
+// Shapes and dashes differ as well, so that a figure can be read without its colours.
+constexpr std::array<SeriesStyle, 4> series = {{{6, "1", colour::measured},
+                                                {5, "(12,4)", colour::predicted},
+                                                {8, "(6,3,2,3)", colour::third},
+                                                {12, "(2,3)", colour::fourth}}};
+
+}  // namespace
+
+std::string run_title(const RunComparison& run) {
+  const std::string tilt = degrees(run.data.conditions.inclination);
+  if (run.kind == calibration::SampleKind::in_sample) return tilt + ", in sample";
+  return fmt::format("{}, predicted ({})", tilt, calibration::name(run.kind));
+}
+
+std::string file_stem(const RunComparison& run, std::size_t number) {
+  std::string result = std::to_string(number) + '_';
+  for (const char c : run.data.name) {
+    const bool keep = std::isalnum(static_cast<unsigned char>(c)) != 0;
+    if (keep) result += c;
+    if (!keep && result.back() != '_') result += '_';
+  }
+  if (result.back() == '_') result.pop_back();
+  return result;
+}
+
+std::string plot_text(std::string_view name) {
+  std::string result;
+  for (const char c : name) {
+    const bool special = std::string_view("'\"`\\_^{}@&~%,\n\r").find(c) != std::string_view::npos;
+    result += special ? ' ' : c;
+  }
+  return result;
+}
+
+std::string plot_head(const std::string& name, PlotSize size) {
+  return fmt::format(R"(# Draws {0}.svg from the CSV files beside it: gnuplot {0}.gp
+set terminal svg size {1},{2} dynamic enhanced font ',12'
+set output '{0}.svg'
+set encoding utf8
+set datafile separator comma
+set datafile columnheaders
+set border 3
+set tics nomirror out scale 0.6
+set format '%g'
+set errorbars 0
+set key tmargin left horizontal samplen 2
+)",
+                     name,
+                     size.width,
+                     size.height);
+}
+
+std::string point_style(std::size_t k) {
+  const SeriesStyle& style = series[k % series.size()];
+  return fmt::format("pt {} ps 0.55 lc rgb '{}'", style.point, style.colour);
+}
+
+std::string line_style(std::size_t k) {
+  const SeriesStyle& style = series[k % series.size()];
+  return fmt::format("dt {} lw 1.5 lc rgb '{}'", style.dash, style.colour);
+}
+
+Scales scales(const dem::ChuteConditions& conditions) {
+  const double d = conditions.grain_diameter;
+  const double g = conditions.gravity;
+  return {.length = d, .velocity = std::sqrt(g * d), .time = std::sqrt(d / g)};
+}
+
+}  // namespace grainlaw::report

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace grainlaw::report {
+
+/// Markup as it stands in the page. Whatever was not written as markup in this program (names,
+/// messages, numbers) enters through text(), which escapes it.
+struct Html {
+  std::string markup;
+
+  Html& operator+=(const Html& next);
+};
+
+Html operator+(Html first, const Html& second);
+Html operator""_html(const char* markup, std::size_t length);
+
+/// Plain text with & < > " ' escaped.
+Html text(std::string_view plain);
+
+Html join(const std::vector<Html>& parts, const Html& separator);
+Html paragraph(const Html& content);
+Html list(const std::vector<Html>& items);
+Html section(std::string_view id, const Html& title, const Html& content);
+
+/// A table whose first `text_columns` columns hold words (left), the others numbers (right). A row
+/// of one cell is a heading over the rows below it.
+struct Table {
+  Html caption;
+  std::vector<Html> head;
+  std::vector<std::vector<Html>> rows;
+  std::size_t text_columns = 1;
+};
+
+/// In a box of its own that scrolls where the page is narrower than the table.
+Html table(const Table& content);
+
+}  // namespace grainlaw::report

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <string>
+
+#include "dem/estimate.h"
+
+namespace grainlaw::report {
+
+/// Number as text with the given significant digits, as 1.23 × 10⁻⁵ where it is very small or
+/// large. NaN and infinity, which mean "not there", become a dash.
+std::string significant(double value, int digits = 3);
+
+/// "0.3672 ± 0.0021": value rounded to the second digit of its standard error. Without an error
+/// the value with 4 digits.
+std::string with_error(const dem::Estimate& estimate);
+
+/// A ratio in percent, "3.12 ± 0.41 %".
+std::string percent(const dem::Estimate& ratio);
+/// Same without the sign, for table columns that carry it in the head.
+std::string percent_value(const dem::Estimate& ratio);
+
+/// An angle in radians as "24.8°".
+std::string degrees(double radians);
+
+/// A wall time as "38 ms", "12.3 s", "6 min 40 s" or "2 h 05 min".
+std::string duration(double seconds);
+
+/// A whole number with thin spaces between thousands.
+std::string count(double number);
+
+dem::Estimate scaled(const dem::Estimate& estimate, double factor);
+
+}  // namespace grainlaw::report

@@ -1,0 +1,169 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "apps/report/figure.h"
+
+namespace grainlaw::report {
+namespace {
+
+struct Files {
+  std::string measured;
+  std::string predicted;
+  std::string band;
+};
+
+/// One of the three quantities shown against height.
+struct Quantity {
+  std::string name;    ///< of the file
+  std::string column;  ///< in all CSV files
+  std::string axis;    ///< gnuplot enhanced text
+  std::string range;   ///< further gnuplot lines
+  bool band = false;
+};
+
+Csv measured_csv(const dem::LocalData& data) {
+  const Scales unit = scales(data.conditions);
+  Csv csv{.columns = {"z [d]",
+                      "velocity [sqrt(g d)]",
+                      "velocity [sqrt(g d)] error",
+                      "phi",
+                      "phi error",
+                      "mu",
+                      "mu error",
+                      "I",
+                      "I error"},
+          .rows = {}};
+  for (const dem::LocalRow& row : data.rows) {
+    csv.rows.push_back({row.z / unit.length,
+                        row.velocity.value / unit.velocity,
+                        row.velocity.error / unit.velocity,
+                        row.volume_fraction.value,
+                        row.volume_fraction.error,
+                        row.friction.value,
+                        row.friction.error,
+                        row.inertial_number.value,
+                        row.inertial_number.error});
+  }
+  return csv;
+}
+
+Csv predicted_csv(const RunComparison& run) {
+  const Scales unit = scales(run.data.conditions);
+  Csv csv{.columns = {"z [d]",
+                      "velocity [sqrt(g d)]",
+                      "velocity [sqrt(g d)] error",
+                      "phi",
+                      "phi error",
+                      "mu",
+                      "I"},
+          .rows = {}};
+  for (const continuum::ProfileRow& row : run.steady.profile.rows) {
+    csv.rows.push_back({row.z / unit.length,
+                        row.velocity / unit.velocity,
+                        row.velocity_error / unit.velocity,
+                        row.volume_fraction,
+                        row.volume_fraction_error,
+                        row.shear_stress / row.pressure,
+                        row.inertial_number});
+  }
+  return csv;
+}
+
+/// Outline of the error band: up along its lower edge, down along its upper edge, as gnuplot fills
+/// closed curves.
+Csv band_outline(const Csv& predicted) {
+  Csv csv{.columns = {"z [d]", "velocity [sqrt(g d)]", "phi"}, .rows = {}};
+  for (const auto& row : predicted.rows) {
+    csv.rows.push_back({row[0], row[1] - row[2], row[3] - row[4]});
+  }
+  for (auto row = predicted.rows.rbegin(); row != predicted.rows.rend(); ++row) {
+    csv.rows.push_back({(*row)[0], (*row)[1] + (*row)[2], (*row)[3] + (*row)[4]});
+  }
+  return csv;
+}
+
+bool has_band(const RunComparison& run) {
+  const auto& rows = run.steady.profile.rows;
+  return std::any_of(
+      rows.begin(), rows.end(), [](const auto& row) { return row.velocity_error > 0.0; });
+}
+
+std::vector<Quantity> quantities(const RunComparison& run) {
+  const double friction = std::tan(run.data.conditions.inclination);
+  const bool band = has_band(run);
+  return {{"velocity",
+           "velocity [sqrt(g d)]",
+           "{/:Italic v_x} / √({/:Italic gd})",
+           "set xrange [0:*]\n",
+           band},
+          {"volume_fraction", "phi", "{/:Italic φ}", "set xrange [0:0.7]\n", band},
+          {"friction",
+           "mu",
+           "{/:Italic μ} = {/:Italic σ_{xz}} / {/:Italic σ_{zz}}",
+           fmt::format("set xrange [{:.2f}:{:.2f}]\n", 0.7 * friction, 1.3 * friction),
+           false}};
+}
+
+std::string script(const std::string& name,
+                   const Quantity& quantity,
+                   const Files& files,
+                   bool predicted) {
+  std::string result = plot_head(name);
+  result += "set xlabel '" + quantity.axis + "'\n";
+  result += "set ylabel '{/:Italic z} / {/:Italic d}'\nset yrange [0:*]\n" + quantity.range;
+  result += "plot ";
+  if (quantity.band) {
+    result += fmt::format(
+        "'{}' using \"{}\":\"z [d]\" with filledcurves closed fc rgb '{}' "
+        "fs transparent solid 0.3 noborder title '± 1 s.e.', \\\n     ",
+        files.band,
+        quantity.column,
+        colour::band);
+  }
+  result += fmt::format(
+      "'{0}' using \"{1}\":\"z [d]\":\"{1} error\" with xerrorbars {2} "
+      "title 'DEM'",
+      files.measured,
+      quantity.column,
+      point_style(0));
+  if (predicted) {
+    result += fmt::format(
+        ", \\\n     '{}' using \"{}\":\"z [d]\" with lines lw 1.6 "
+        "lc rgb 'black' title 'continuum'",
+        files.predicted,
+        quantity.column);
+  }
+  return result + "\n";
+}
+
+Html caption(const Quantity& quantity) {
+  if (quantity.name == "velocity") return "Velocity"_html;
+  if (quantity.name == "friction") return "Friction"_html;
+  return "Volume fraction"_html;
+}
+
+}  // namespace
+
+FigureGroup profile_figures(const RunComparison& run, std::size_t number) {
+  FigureGroup group{.title = text(run_title(run)), .data = {}, .figures = {}};
+  if (run.data.rows.empty()) return group;
+  const std::string stem = file_stem(run, number);
+  const Files files{stem + "_dem.csv", stem + "_continuum.csv", stem + "_band.csv"};
+  const Csv predicted = predicted_csv(run);
+  group.data[files.measured] = measured_csv(run.data);
+  if (!predicted.rows.empty()) group.data[files.predicted] = predicted;
+  if (has_band(run)) group.data[files.band] = band_outline(predicted);
+  for (const Quantity& quantity : quantities(run)) {
+    const std::string name = stem + "_" + quantity.name;
+    group.figures.push_back(
+        {.name = name,
+         .script = script(name, quantity, files, !predicted.rows.empty()),
+         .label = caption(quantity).markup + " against height, " + run_title(run),
+         .caption = caption(quantity)});
+  }
+  return group;
+}
+
+}  // namespace grainlaw::report

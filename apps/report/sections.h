@@ -1,0 +1,61 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "apps/report/figure.h"
+#include "apps/report/html.h"
+#include "apps/report/report.h"
+
+namespace grainlaw::report {
+
+/// Every picture of a report.
+struct Figures {
+  FigureGroup law;
+  std::vector<FigureGroup> profiles;  ///< per run
+  std::vector<FigureGroup> starts;    ///< per run
+  FigureGroup time;
+};
+Figures figures(const Report& report);
+
+/// What gnuplot made of them.
+struct Pictures {
+  std::map<std::string, std::string> svg;  ///< by figure name, ready for the page
+  std::map<std::string, std::string> failures;
+};
+
+/// The pictures of a group side by side, with a heading when it has a title.
+Html show(const FigureGroup& group, const Pictures& pictures);
+
+// The parts of the page, in their order. A part without content says so in one sentence.
+Html summary_section(const Report& report);
+Html law_section(const Report& report, const FigureGroup& group, const Pictures& pictures);
+Html prediction_section(const Report& report,
+                        const std::vector<FigureGroup>& groups,
+                        const Pictures& pictures);
+Html start_section(const Report& report,
+                   const std::vector<FigureGroup>& groups,
+                   const Pictures& pictures);
+Html bagnold_section(const Report& report);
+Html time_section(const Report& report, const FigureGroup& group, const Pictures& pictures);
+Html cost_section(const Report& report);
+Html health_section(const Report& report);
+Html answer_section(const Report& report);
+Html reading_section();
+
+/// The whole page.
+std::string page(const Report& report, const Figures& figures, const Pictures& pictures);
+
+// Shared words.
+Html coefficient_symbol(const std::string& name);
+std::string coefficient_unit(const std::string& name, const std::string& units);
+/// Name of a run and its tilt, as the first cell of a table row.
+Html run_label(const RunComparison& run);
+/// Runs of one kind, in the order of the report.
+std::vector<const RunComparison*> runs_of(const Report& report, calibration::SampleKind kind);
+inline constexpr calibration::SampleKind all_kinds[] = {calibration::SampleKind::in_sample,
+                                                        calibration::SampleKind::interpolation,
+                                                        calibration::SampleKind::extrapolation};
+
+}  // namespace grainlaw::report

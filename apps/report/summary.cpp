@@ -1,0 +1,238 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+
+#include "apps/report/law_curve.h"
+#include "apps/report/numbers.h"
+#include "apps/report/sections.h"
+
+namespace grainlaw::report {
+namespace {
+
+using calibration::SampleKind;
+
+/// One line of the summary: what it is about, and a sentence.
+struct Line {
+  Html topic;
+  Html sentence;
+};
+
+dem::Estimate estimate_of(const continuum::RheologyTable& table, const std::string& name) {
+  for (const Coefficient& coefficient : coefficients(table)) {
+    if (coefficient.name == name) return coefficient.estimate;
+  }
+  return {};
+}
+
+Html coefficient_text(const continuum::RheologyTable& table, const std::string& name) {
+  const std::string unit = coefficient_unit(name, table.units);
+  return coefficient_symbol(name) + " = "_html + text(with_error(estimate_of(table, name))) +
+         text(unit == "1" ? "" : " " + unit);
+}
+
+std::string fitted_tilts(const Report& report) {
+  std::vector<double> tilts;
+  for (const auto& point : report.fit->points) tilts.push_back(point.inclination);
+  std::sort(tilts.begin(), tilts.end());
+  std::string result;
+  for (const double tilt : tilts) result += (result.empty() ? "" : ", ") + degrees(tilt);
+  return result;
+}
+
+Html origin(const Report& report) {
+  if (!report.fit) return text(", from " + report.table.provenance.source);
+  return text(
+      fmt::format(", fitted to {} DEM runs ({})", report.fit->points.size(), fitted_tilts(report)));
+}
+
+Html range_text(const continuum::RheologyTable& table) {
+  const auto& range = table.range.inertial_number;
+  if (!range) return {};
+  return "; data from <i>I</i> = "_html + text(significant(range->lower, 2)) + " to "_html +
+         text(significant(range->upper, 2));
+}
+
+Line friction_line(const Report& report) {
+  const continuum::RheologyTable& table = report.table;
+  if (std::holds_alternative<continuum::GeneralisedBagnold>(table.law)) {
+    return {"Law"_html,
+            "<i>τ</i> − <i>τ<sub>c</sub></i> = <i>a</i> <i>γ̇</i>² + <i>b</i> <i>γ̇</i>, "_html +
+                coefficient_text(table, "a") + ", "_html + coefficient_text(table, "b") +
+                origin(report) + "."_html};
+  }
+  const auto& law = std::get<continuum::MuPhi>(table.law);
+  const bool curved = law.friction.kappa > 0.0;
+  Html sentence = "<i>μ</i>(<i>I</i>) = <i>μ</i><sub>0</sub> + <i>β</i><i>I</i>"_html;
+  sentence += curved ? "/(1 + <i>κ</i><i>I</i>)"_html : Html{};
+  sentence += " with "_html + coefficient_text(table, "mu0") + ", "_html;
+  sentence += coefficient_text(table, "beta");
+  sentence += curved ? ", "_html + coefficient_text(table, "kappa") : Html{};
+  return {"Friction law"_html, sentence + origin(report) + range_text(table) + "."_html};
+}
+
+std::optional<Line> volume_fraction_line(const Report& report) {
+  if (!std::holds_alternative<continuum::MuPhi>(report.table.law)) return std::nullopt;
+  return Line{
+      "Volume fraction"_html,
+      "<i>φ</i>(<i>I</i>) = <i>φ</i><sub>0</sub> (1 − <i>I</i>/<i>I<sub>φ</sub></i>) with "_html +
+          coefficient_text(report.table, "phi0") + ", "_html +
+          coefficient_text(report.table, "I_phi") + "."_html};
+}
+
+std::optional<Line> not_identifiable_line(const Report& report) {
+  if (!report.fit) return std::nullopt;
+  std::vector<Html> sentences;
+  for (const auto* fit : {&report.fit->friction, &report.fit->volume_fraction}) {
+    for (const std::string& sentence : fit->not_identifiable) sentences.push_back(text(sentence));
+  }
+  if (sentences.empty()) return Line{"Identifiable"_html, "Every fitted coefficient."_html};
+  return Line{"Not identifiable"_html, join(sentences, " "_html)};
+}
+
+Html error_of_run(const RunComparison& run) {
+  Html result = text(degrees(run.data.conditions.inclination)) + ": "_html;
+  if (!run.error)
+    return result + "no profile ("_html + text(continuum::name(run.steady.answer.outcome)) +
+           ")"_html;
+  result += "<b>"_html + text(percent(run.error->velocity)) + "</b>"_html;
+  if (run.naive_error) {
+    result += " (naive guess "_html + text(percent(run.naive_error->velocity)) + ")"_html;
+  }
+  return result;
+}
+
+std::optional<Line> error_line(const Report& report, SampleKind kind, const Html& topic) {
+  const auto runs = runs_of(report, kind);
+  if (runs.empty()) return std::nullopt;
+  std::vector<Html> parts;
+  for (const RunComparison* run : runs) parts.push_back(error_of_run(*run));
+  return Line{topic, "velocity error at "_html + join(parts, "; "_html) + "."_html};
+}
+
+std::optional<Line> start_line(const Report& report) {
+  const RunComparison* worst = nullptr;
+  double largest = 0.0;
+  double lowest = INFINITY;
+  for (const RunComparison& run : report.runs) {
+    double error = 0.0;
+    for (const auto& moment : run.start_error) error = std::fmax(error, moment.velocity_error);
+    if (!(error > 0.0)) continue;
+    lowest = std::min(lowest, error);
+    if (error > largest) worst = &run;
+    largest = std::max(largest, error);
+  }
+  if (worst == nullptr) return std::nullopt;
+  return Line{
+      "Start from rest"_html,
+      text(fmt::format("nobody fitted it. The largest error of u(z, t) on the way, over the "
+                       "steady profile, is {} to {} % from run to run (worst at {}).",
+                       significant(100.0 * lowest, 2),
+                       significant(100.0 * largest, 2),
+                       degrees(worst->data.conditions.inclination)))};
+}
+
+Line answers_line(const Report& report) {
+  std::map<std::string, int> counts;
+  std::vector<Html> others;
+  for (const RunComparison& run : report.runs) {
+    const continuum::Answer& answer = run.steady.answer;
+    ++counts[std::string(continuum::name(answer.outcome))];
+    if (answer.outcome != continuum::Outcome::steady) {
+      others.push_back(text(degrees(run.data.conditions.inclination) + ": " + answer.text));
+    }
+  }
+  std::vector<Html> parts;
+  for (const auto& [outcome, number] : counts) {
+    parts.push_back(text(fmt::format("{} {}", number, outcome)));
+  }
+  const Html end = others.empty() ? "."_html : ". "_html + join(others, " "_html);
+  return {"Answers"_html, join(parts, ", "_html) + end};
+}
+
+Line range_line(const Report& report) {
+  std::vector<Html> parts;
+  for (const RunComparison& run : report.runs) {
+    for (const continuum::RangeFlag& flag : run.steady.answer.out_of_domain) {
+      parts.push_back(
+          text(fmt::format("{}: {} reaches {} (data end at {})",
+                           degrees(run.data.conditions.inclination),
+                           flag.quantity,
+                           flag.reached_highest > flag.upper ? significant(flag.reached_highest, 3)
+                                                             : significant(flag.reached_lowest, 3),
+                           flag.reached_highest > flag.upper ? significant(flag.upper, 3)
+                                                             : significant(flag.lower, 3))));
+    }
+  }
+  if (parts.empty())
+    return {"Range"_html, "every prediction stays inside the range of the data."_html};
+  return {"Outside the data"_html, join(parts, "; "_html) + "."_html};
+}
+
+std::optional<Line> condition_line(const Report& report) {
+  std::vector<Html> parts;
+  for (const RunComparison& run : report.runs) {
+    const double number = run.steady.answer.condition_number;
+    if (!(number > 0.0)) continue;
+    parts.push_back(text(degrees(run.data.conditions.inclination) + ": " + significant(number, 2)));
+  }
+  if (parts.empty()) return std::nullopt;
+  return Line{"Condition number"_html,
+              "an error of 1 % in <i>μ</i> becomes so many % in <i>I</i> and velocity: "_html +
+                  join(parts, "; "_html) + "."_html};
+}
+
+Line cost_line(const Report& report) {
+  double measured = 0.0;
+  double predicted = 0.0;
+  for (const RunComparison& run : report.runs) {
+    measured += run.data.summary.wall_seconds;
+    predicted += run.predict_seconds;
+  }
+  const double fitted =
+      report.fit ? report.fit->friction.wall_seconds + report.fit->volume_fraction.wall_seconds
+                 : 0.0;
+  std::string sentence = "DEM " + duration(measured) + " (sum over the runs)";
+  if (report.fit) sentence += ", fit " + duration(fitted);
+  sentence += fmt::format(", all {} predictions {}.", report.runs.size(), duration(predicted));
+  return {"Run time"_html, text(sentence)};
+}
+
+std::vector<Line> lines(const Report& report) {
+  std::vector<Line> result = {friction_line(report)};
+  const auto add = [&](const std::optional<Line>& line) {
+    if (line) result.push_back(*line);
+  };
+  add(volume_fraction_line(report));
+  add(not_identifiable_line(report));
+  add(error_line(report, SampleKind::in_sample, "In sample"_html));
+  add(error_line(report, SampleKind::interpolation, "Interpolation"_html));
+  add(error_line(report, SampleKind::extrapolation, "Extrapolation"_html));
+  add(start_line(report));
+  add(answers_line(report));
+  add(range_line(report));
+  add(condition_line(report));
+  add(cost_line(report));
+  return result;
+}
+
+Html warnings(const Report& report) {
+  std::vector<Html> items;
+  for (const std::string& warning : report.warnings) items.push_back(text(warning));
+  if (items.empty()) return {};
+  return "<div class=\"note\"><strong>Warnings</strong>"_html + list(items) + "</div>\n"_html;
+}
+
+}  // namespace
+
+Html summary_section(const Report& report) {
+  Html content = "<dl class=\"summary\">\n"_html;
+  for (const Line& line : lines(report)) {
+    content += "<dt>"_html + line.topic + "</dt><dd>"_html + line.sentence + "</dd>\n"_html;
+  }
+  return section("summary", "What came out"_html, content + "</dl>\n"_html + warnings(report));
+}
+
+}  // namespace grainlaw::report

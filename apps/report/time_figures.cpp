@@ -1,0 +1,150 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "apps/report/figure.h"
+
+namespace grainlaw::report {
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr const char* data_file = "error_against_time.csv";
+
+/// Logarithmic axes have no place for zero.
+double positive(double number) {
+  return number > 0.0 ? number : nan;
+}
+
+double entry(const std::vector<double>& values, std::size_t k) {
+  return k < values.size() ? values[k] : nan;
+}
+
+/// Time unit of the runs; all runs of one report share it.
+double time_unit(const Report& report) {
+  return report.runs.empty() ? 1.0 : scales(report.runs.front().data.conditions).time;
+}
+
+std::string run_column(const Report& report, std::size_t k) {
+  return fmt::format("{} {}", k + 1, plot_text(report.runs[k].data.name));
+}
+
+Csv error_csv(const Report& report) {
+  Csv csv{.columns = {"averaging time [sqrt(d/g)]",
+                      "DEM wall time [s]",
+                      "law error",
+                      "law standard error"},
+          .rows = {}};
+  for (std::size_t k = 0; k < report.runs.size(); ++k) {
+    csv.columns.push_back(run_column(report, k));
+    csv.columns.push_back(run_column(report, k) + " error");
+  }
+  for (const TimeErrorPoint& point : report.error_against_time) {
+    const bool failed = !point.failure.empty();
+    std::vector<double> row = {point.averaging_time / time_unit(report),
+                               point.dem_wall_seconds,
+                               failed ? nan : positive(point.law_error),
+                               failed ? nan : positive(point.law_standard_error)};
+    for (std::size_t k = 0; k < report.runs.size(); ++k) {
+      row.push_back(positive(entry(point.profile_error, k)));
+      row.push_back(positive(entry(point.profile_standard_error, k)));
+    }
+    csv.rows.push_back(row);
+  }
+  return csv;
+}
+
+/// A line of slope -1/2 through the largest value at the earliest time: y = level / sqrt(x).
+std::string guide(const Csv& csv, std::size_t x, std::size_t first_column, std::size_t step) {
+  for (const std::vector<double>& row : csv.rows) {
+    double largest = nan;
+    for (std::size_t k = first_column; k < row.size(); k += step) {
+      largest = std::fmax(largest, row[k]);  // fmax passes over NaN
+    }
+    if (largest > 0.0 && row[x] > 0.0) {
+      return fmt::format("{:.6g} / sqrt(x) with lines lw 1 dt (2,4) lc rgb '{}' title 'slope −½'",
+                         1.3 * largest * std::sqrt(row[x]),
+                         colour::band);
+    }
+  }
+  return {};
+}
+
+std::string head(const std::string& name, const std::string& x_label, const std::string& y_label) {
+  return plot_head(name) + "set logscale xy\nset format xy '%h'\nset xlabel '" + x_label +
+         "'\nset ylabel '" + y_label + "'\nset offsets graph 0.05, graph 0.05\n";
+}
+
+std::string law_script(const std::string& name, const Csv& csv) {
+  const std::string shown = guide(csv, 0, 3, csv.columns.size());
+  return head(name,
+              "averaging time / √({/:Italic d}/{/:Italic g})",
+              "relative error of {/:Italic I}") +
+         fmt::format(
+             "plot {3}'{0}' using \"{1}\":\"law standard error\" with linespoints "
+             "lw 1.3 dt (6,4) {4} title 'claimed s.e.', \\\n     "
+             "'{0}' using \"{1}\":\"law error\" with linespoints lw 1.3 {2} "
+             "title 'off the full fit'\n",
+             data_file,
+             csv.columns[0],
+             point_style(0),
+             shown.empty() ? "" : shown + ", \\\n     ",
+             point_style(1));
+}
+
+std::string profile_script(const Report& report,
+                           const std::string& name,
+                           const Csv& csv,
+                           std::size_t x) {
+  const bool time = x == 0;
+  std::string result = head(
+      name,
+      time ? "averaging time / √({/:Italic d}/{/:Italic g})" : "DEM wall time, all fitted runs [s]",
+      "velocity error (relative {/:Italic L}_2)");
+  std::string parts = guide(csv, x, 4, 2);
+  for (std::size_t k = 0; k < report.runs.size(); ++k) {
+    const std::string column = run_column(report, k);
+    parts += parts.empty() ? "" : ", \\\n     ";
+    parts += fmt::format(
+        "'{0}' using \"{1}\":\"{2}\":\"{2} error\" with yerrorlines lw 1.2 dt {4} {3} "
+        "title '{2}'",
+        data_file,
+        csv.columns[x],
+        column,
+        point_style(k),
+        k / 4 + 1);
+  }
+  return result + "plot " + parts + "\n";
+}
+
+}  // namespace
+
+FigureGroup time_figures(const Report& report) {
+  FigureGroup group;
+  const auto usable = [](const TimeErrorPoint& point) { return point.failure.empty(); };
+  if (std::count_if(report.error_against_time.begin(), report.error_against_time.end(), usable) <
+      2) {
+    return group;
+  }
+  const Csv csv = error_csv(report);
+  group.data[data_file] = csv;
+  group.figures.push_back({.name = "error_law_time",
+                           .script = law_script("error_law_time", csv),
+                           .label = "Error of the law against DEM averaging time",
+                           .caption =
+                               "Law: largest difference of <i>I</i>(<i>θ</i>) from the fit to all "
+                               "data, and the standard error that each fit claims"_html});
+  group.figures.push_back({.name = "error_profile_time",
+                           .script = profile_script(report, "error_profile_time", csv, 0),
+                           .label = "Error of predicted profiles against DEM averaging time",
+                           .caption = "Predicted profiles, run by run"_html});
+  group.figures.push_back({.name = "error_profile_wall",
+                           .script = profile_script(report, "error_profile_wall", csv, 1),
+                           .label = "Error of predicted profiles against DEM wall time",
+                           .caption = "Same against the wall time of the fitted DEM runs, start-up "
+                                      "included"_html});
+  return group;
+}
+
+}  // namespace grainlaw::report

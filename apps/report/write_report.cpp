@@ -1,0 +1,72 @@
+#include <fmt/format.h>
+
+#include "apps/io/safe_write.h"
+#include "apps/report/gnuplot.h"
+#include "apps/report/report.h"
+#include "apps/report/report_json.h"
+#include "apps/report/sections.h"
+#include "apps/report/svg.h"
+
+namespace grainlaw::report {
+namespace {
+
+namespace fs = std::filesystem;
+
+void make_directory(const fs::path& directory) {
+  std::error_code error;
+  fs::create_directories(directory, error);
+  if (error) {
+    throw io::FileError(
+        fmt::format("cannot make the folder {}: {}", directory.string(), error.message()));
+  }
+}
+
+std::vector<const FigureGroup*> all_groups(const Figures& figures) {
+  std::vector<const FigureGroup*> groups = {&figures.law};
+  for (const FigureGroup& group : figures.profiles) groups.push_back(&group);
+  for (const FigureGroup& group : figures.starts) groups.push_back(&group);
+  groups.push_back(&figures.time);
+  return groups;
+}
+
+/// Draws one figure; what stands in the folder from an earlier report must not pass for it.
+void draw(const Figure& figure, const fs::path& directory, Pictures& pictures) {
+  const fs::path svg = directory / (figure.name + ".svg");
+  std::error_code ignored;
+  fs::remove(svg, ignored);
+  if (const auto failure = run_gnuplot(directory, figure.name + ".gp")) {
+    pictures.failures[figure.name] = *failure;
+    return;
+  }
+  const std::string drawn = inline_svg(io::read_file(svg), figure.name, figure.label);
+  if (drawn.empty()) {
+    pictures.failures[figure.name] = "gnuplot wrote no picture";
+  } else {
+    pictures.svg[figure.name] = drawn;
+  }
+}
+
+Pictures draw_all(const Figures& figures, const fs::path& directory) {
+  make_directory(directory);
+  Pictures pictures;
+  for (const FigureGroup* group : all_groups(figures)) {
+    for (const auto& [name, csv] : group->data) io::safe_write(directory / name, csv.text());
+    for (const Figure& figure : group->figures) {
+      io::safe_write(directory / (figure.name + ".gp"), figure.script);
+      draw(figure, directory, pictures);
+    }
+  }
+  return pictures;
+}
+
+}  // namespace
+
+void write_report(const Report& report, const fs::path& directory) {
+  make_directory(directory);
+  io::safe_write(directory / "report.json", report_json(report));
+  const Figures all = figures(report);
+  const Pictures pictures = draw_all(all, directory / "plots");
+  io::safe_write(directory / "report.html", page(report, all, pictures));
+}
+
+}  // namespace grainlaw::report
