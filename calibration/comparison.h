@@ -23,18 +23,19 @@ SampleKind sample_kind(double inclination, const std::vector<double>& fitted_inc
 /// included) up to where phi falls below half its bulk value. The standard errors hold the
 /// scatter of the DEM profile only (jackknife over its blocks).
 struct ProfileError {
-  dem::Estimate velocity;          ///< relative L2
-  dem::Estimate velocity_maximum;  ///< largest |difference| over the largest measured velocity
-  dem::Estimate volume_fraction;   ///< relative L2
-  dem::Estimate friction;          ///< relative L2 of mu = sigma_xz / sigma_zz
-  dem::Estimate surface_velocity;  ///< relative difference, signed, at the highest compared bin
-  dem::Estimate flux;              ///< relative difference of int phi v dz, signed
+  dem::Estimate velocity;           ///< relative L2
+  dem::Estimate velocity_maximum;   ///< largest |difference| over the largest measured velocity
+  dem::Estimate volume_fraction;    ///< relative L2
+  dem::Estimate friction;           ///< relative L2 of mu = sigma_xz / sigma_zz
+  dem::Estimate surface_velocity;   ///< relative difference, signed, at the highest compared bin
+  dem::Estimate flux;               ///< relative difference of int phi v dz, signed
   double in_standard_errors = 0.0;  ///< root mean square velocity residual over its standard error
 };
 
 ProfileError profile_error(const dem::LocalData& measured, const continuum::Profile& predicted);
 
-/// Velocity of a continuum profile at height z, 0 below its no-slip height, the surface value above.
+/// Velocity of a continuum profile at height z, 0 below its no-slip height, the surface value
+/// above.
 double velocity_at(const continuum::Profile& profile, double z);
 
 /// What one would guess without a law: the measured profile of the nearest fitted tilt, height
@@ -44,10 +45,11 @@ continuum::Profile naive_guess(const dem::LocalData& nearest, const dem::ChuteCo
 
 /// Transient velocity profiles side by side: DEM frames against continuum snapshots.
 struct TransientError {
-  double time = 0.0;             ///< [time]
-  double measured_mean = 0.0;    ///< mass-averaged velocity, DEM [length/time]
-  double predicted_mean = 0.0;   ///< same, continuum
-  double velocity_error = 0.0;   ///< L2 of u(z) at this time over the L2 of the steady measured profile
+  double time = 0.0;            ///< [time]
+  double measured_mean = 0.0;   ///< mass-averaged velocity, DEM [length/time]
+  double predicted_mean = 0.0;  ///< same, continuum
+  double velocity_error =
+      0.0;  ///< L2 of u(z) at this time over the L2 of the steady measured profile
 };
 
 std::vector<TransientError> transient_error(const dem::LocalData& measured,

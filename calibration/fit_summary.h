@@ -10,8 +10,8 @@ namespace grainlaw::calibration {
 struct FittedCoefficient {
   std::string name;
   double value = 0.0;
-  double error = 0.0;      ///< standard error, same unit
-  bool at_bound = false;   ///< the data push it against its physical bound (error is one-sided)
+  double error = 0.0;     ///< standard error, same unit
+  bool at_bound = false;  ///< the data push it against its physical bound (error is one-sided)
   bool identifiable = true;
 };
 
@@ -20,13 +20,14 @@ struct FitSummary {
   std::vector<FittedCoefficient> coefficients;
   std::vector<double> correlation;  ///< row-major, order of coefficients
   double chi_squared = 0.0;
-  int data = 0;                      ///< number of residuals
+  int data = 0;  ///< number of residuals
   int iterations = 0;
   bool converged = false;
-  std::string termination;           ///< of the minimiser, in words
+  std::string termination;                    ///< of the minimiser, in words
   std::vector<std::string> not_identifiable;  ///< sentences: which combination, why, what was done
   std::vector<std::string> left_out;          ///< points and terms that were left out, with reason
   double wall_seconds = 0.0;
+  std::vector<std::string> notes;  ///< sentences: how errors were made, what a reader must know
 
   const FittedCoefficient& operator[](const std::string& name) const;
 };
