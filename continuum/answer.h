@@ -1,5 +1,6 @@
 #pragma once
 
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -22,19 +23,26 @@ std::string_view name(Outcome outcome);  ///< STEADY, PLUG, ARRESTED, ...
 
 /// The law was used outside the range of its data (never silent).
 struct RangeFlag {
-  std::string quantity;          ///< "I", "p*", "Bo", "phi", "inclination"
-  double lower = 0.0;            ///< range of the data
+  std::string quantity;  ///< "I", "p*", "Bo", "phi", "inclination"
+  double lower = 0.0;    ///< range of the data
   double upper = 0.0;
-  double reached_lowest = 0.0;   ///< values met in this prediction
+  double reached_lowest = 0.0;  ///< values met in this prediction
   double reached_highest = 0.0;
   double fraction_outside = 0.0;  ///< of the flowing mass
 };
 
 struct Answer {
   Outcome outcome = Outcome::not_converged;
-  std::string text;                ///< one sentence for a person, with the numbers that decide
+  std::string text;  ///< one sentence for a person, with the numbers that decide
   std::vector<RangeFlag> out_of_domain;
-  double condition_number = 0.0;   ///< d ln I / d ln mu at the tilt; 0 where it has no meaning
+  /// d ln I / d ln mu at the base: by how many percent the shear rate is off when the friction is
+  /// off by one, tan(theta) / (tan(theta) - mu0) for a linear mu(I); 0 where it has no meaning.
+  double condition_number = 0.0;
+};
+
+/// A numerical method gave up; the message says where, when and in which unknown.
+struct SolverError : std::runtime_error {
+  using std::runtime_error::runtime_error;
 };
 
 }  // namespace grainlaw::continuum

@@ -44,13 +44,19 @@ void add_error_band(SteadyChute& steady, const RheologyTable& table, const Chute
 
 struct TransientOptions {
   int cells = 200;
-  double grading = 1.5;              ///< faces at M1 (k/N)^grading from the surface
+  double grading = 1.5;  ///< faces at M1 (k/N)^grading from the surface
   double relative_tolerance = 1e-6;
   double absolute_tolerance = 1e-10;  ///< of the scaled shear rate
-  double time_limit = 0.0;            ///< [time]; 0: chosen from the relaxation time
-  double steady_residual = 1e-8;      ///< steady when max |du/dt| <= this times g sin(theta)
-  std::vector<double> output_times;   ///< snapshots wanted [time]
-  bool stop_when_steady = true;
+  /// delta of tau_y q / sqrt(q^2 + delta^2), q being I for mu(I) laws and gd sqrt(d/g) else. Used
+  /// only by laws whose yield stress is not proportional to depth, and then named in the answer.
+  double yield_regularisation = 1e-4;
+  double time_limit = 0.0;  ///< [time]; 0: five times the settling time, and at least the last
+                            ///< output time
+  /// Steady when max |du/dt| <= this times g sin(theta), not before the settling time: relaxation
+  /// time times ln(1 / steady_residual).
+  double steady_residual = 1e-8;
+  std::vector<double> output_times;  ///< snapshots wanted [time]
+  bool stop_when_steady = true;      ///< once all snapshots are taken; false: run to time_limit
 };
 
 struct Snapshot {
@@ -68,8 +74,10 @@ struct TransientChute {
 };
 
 /// Start of the layer from rest, du/dt = g sin(theta) - dtau/dM, by the method of lines: scaled
-/// shear rate at the faces as state, CVODE BDF with banded analytic Jacobian.
-/// Throws SolverError when CVODE fails; the message names cell, variable and time.
+/// shear rate at the faces as state, CVODE BDF with banded analytic Jacobian. Rows at the base, the
+/// cell centres and the surface; second order in 1/cells. A layer below repose is ARRESTED at once.
+/// Throws TableError and std::invalid_argument like steady_chute, and SolverError when CVODE fails;
+/// the message names cell, variable and time.
 TransientChute start_from_rest(const RheologyTable& table,
                                const ChuteCase& chute,
                                const TransientOptions& options = {});

@@ -49,8 +49,8 @@ struct Definitions {
 
 /// Where a table comes from and what it was checked against.
 struct Provenance {
-  std::string source;                      ///< paper and table, or the program and its version
-  std::vector<std::string> data;           ///< runs it was fitted to
+  std::string source;                        ///< paper and table, or the program and its version
+  std::vector<std::string> data;             ///< runs it was fitted to
   std::vector<std::string> checked_against;  ///< runs it was not fitted to
 };
 
@@ -76,8 +76,10 @@ struct TableError : std::runtime_error {
 /// names coefficients the table has. Throws TableError.
 void validate(const RheologyTable& table);
 
-/// Names of the coefficients of a table in the order used by covariances, e.g. mu0, beta, kappa,
-/// phi0, I_phi, no_slip_height, mass_below; only those that are present.
+/// Names of the coefficients of a table, only those that are present, in this order:
+///   closure A: a, b, tau_c, volume_fraction;
+///   closure B: mu0, beta, kappa, p_mu, cohesion_alpha, cohesion_beta, phi0, I_phi, p_phi, p1..p4;
+///   both: no_slip_height, mass_below. A covariance may name any subset in any order.
 std::vector<std::string> coefficient_names(const RheologyTable& table);
 
 /// Reads or replaces one coefficient by name. Throws TableError for an unknown name.

@@ -1,0 +1,233 @@
+#include "continuum/chute_1d.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <stdexcept>
+
+#include "continuum/layer.h"
+#include "continuum/ode_solver.h"
+#include "continuum/range_flags.h"
+#include "continuum/shear_layer.h"
+
+namespace grainlaw::continuum {
+namespace {
+
+constexpr long largest_number_of_steps = 1'000'000;
+
+void require(bool holds, const char* name, double value, const char* bound) {
+  if (!holds) throw std::invalid_argument(fmt::format("{} = {} must be {}", name, value, bound));
+}
+
+void check(const TransientOptions& options, bool regularised) {
+  require(options.cells >= 2, "cells", options.cells, "at least 2");
+  require(options.grading >= 1.0 && options.grading <= 4.0,
+          "grading",
+          options.grading,
+          "between 1 and 4");
+  require(options.relative_tolerance > 0.0 && options.relative_tolerance <= 0.1,
+          "relative_tolerance",
+          options.relative_tolerance,
+          "positive and at most 0.1");
+  require(options.absolute_tolerance > 0.0,
+          "absolute_tolerance",
+          options.absolute_tolerance,
+          "positive");
+  require(options.steady_residual > 0.0 && options.steady_residual < 1.0,
+          "steady_residual",
+          options.steady_residual,
+          "between 0 and 1");
+  require(options.time_limit >= 0.0, "time_limit", options.time_limit, "0 (chosen) or positive");
+  // a smaller delta lets the solver report success with a wrong flow
+  if (regularised)
+    require(options.yield_regularisation >= 100.0 * options.absolute_tolerance,
+            "yield_regularisation",
+            options.yield_regularisation,
+            "at least 100 absolute_tolerance");
+}
+
+/// Output times in solver units, ascending.
+std::vector<double> sorted_times(const TransientOptions& options, double unit) {
+  std::vector<double> times;
+  for (const double time : options.output_times) {
+    require(std::isfinite(time) && time >= 0.0, "output time", time, "finite and not negative");
+    times.push_back(time / unit);
+  }
+  std::sort(times.begin(), times.end());
+  return times;
+}
+
+bool is_flow(Outcome outcome) {
+  return outcome == Outcome::steady || outcome == Outcome::plug;
+}
+
+/// Time a linear response needs to fall to the steady residual, in units d = rho_p = g = 1; none
+/// where no steady state lies ahead. A run close to repose has a small residual from the start, so
+/// the residual alone would not show that it is steady.
+double settling_time(const ShearLayer& system, Outcome ahead, double residual) {
+  if (!is_flow(ahead)) return 0.0;
+  return system.relaxation_time(system.steady_state()) * std::log(1.0 / residual);
+}
+
+enum class End { steady, dense_state_lost, time_limit, step_limit };
+
+/// One start, in units d = rho_p = g = 1 until the result is filled.
+struct Start {
+  const RheologyTable& table;
+  const Layer& layer;
+  const TransientOptions& options;
+  const Verdict verdict;
+  const double delta;
+  const ShearLayer system;
+  const double settling_time;
+  const std::vector<double> output_times;
+  TransientChute result{};
+
+  void rest();
+  void flow();
+
+ private:
+  double time_limit() const;
+  End integrate(OdeSolver& solver);
+  bool settled(const OdeSolver& solver) const;
+  void take_snapshots(const OdeSolver& solver);
+  void take_snapshot(double time, const Profile& profile);
+  Profile profile(std::span<const double> q) const;
+  Outcome outcome(End end) const;
+  std::string text(std::span<const double> q) const;
+};
+
+double Start::time_limit() const {
+  if (options.time_limit > 0.0) return options.time_limit / layer.units.time;
+  // Without a steady state, M^1.5 sets the scale: a Bagnold flow of I = 0.1 takes that long to
+  // reach its speed I M^1.5 at an acceleration of 0.1.
+  const double chosen =
+      is_flow(verdict.outcome) ? 5.0 * settling_time : 25.0 * std::pow(layer.mass, 1.5);
+  return output_times.empty() ? chosen : std::max(chosen, output_times.back());
+}
+
+Profile Start::profile(std::span<const double> q) const {
+  return system.profile(q, delta > 0.0 ? system.plug_edge(q).mass : 0.0);
+}
+
+void Start::take_snapshot(double time, const Profile& profile) {
+  result.snapshots.push_back({time * layer.units.time, in_case_units(layer, profile)});
+}
+
+/// Those that the last step has passed.
+void Start::take_snapshots(const OdeSolver& solver) {
+  while (result.snapshots.size() < output_times.size()) {
+    const double time = output_times[result.snapshots.size()];
+    if (time > solver.time()) return;
+    take_snapshot(time, time == 0.0 ? system.at_rest() : profile(solver.interpolate(time)));
+  }
+}
+
+/// The layer stays as it is: held by its yield stress, or the law has no answer.
+void Start::rest() {
+  const Profile still = system.at_rest();
+  for (const double time : output_times) take_snapshot(time, still);
+  result.final_profile = in_case_units(layer, still);
+  result.answer.outcome = verdict.outcome;
+  result.answer.text = verdict.text;
+  result.answer.out_of_domain = range_flags(layer, table, {});
+}
+
+bool Start::settled(const OdeSolver& solver) const {
+  return is_flow(verdict.outcome) && solver.time() >= settling_time &&
+         system.largest_acceleration(solver.state()) <= options.steady_residual * layer.sine;
+}
+
+End Start::integrate(OdeSolver& solver) {
+  for (long steps = 0; steps < largest_number_of_steps; ++steps) {
+    const auto last = solver.step();
+    take_snapshots(solver);
+    if (last == OdeSolver::Step::event) return End::dense_state_lost;
+    const bool may_stop =
+        options.stop_when_steady && result.snapshots.size() == output_times.size();
+    if ((may_stop || last == OdeSolver::Step::end) && settled(solver)) return End::steady;
+    if (last == OdeSolver::Step::end) return End::time_limit;
+  }
+  return End::step_limit;
+}
+
+Outcome Start::outcome(End end) const {
+  if (end == End::steady) return verdict.outcome;
+  if (end == End::dense_state_lost) return Outcome::no_dense_state;
+  if (end == End::step_limit) return Outcome::not_converged;
+  if (verdict.outcome == Outcome::no_steady) return Outcome::accelerating;
+  if (!options.stop_when_steady) return Outcome::time_reached;
+  return is_flow(verdict.outcome) ? Outcome::not_converged : verdict.outcome;
+}
+
+std::string Start::text(std::span<const double> q) const {
+  std::string text = fmt::format(
+      "{}; at t = {:.4g} the largest |du/dt| is {:.2g} g sin(theta), the surface gains {:.3g} g, I "
+      "is at most {:.4g}",
+      verdict.text,
+      result.end_time,
+      result.residual,
+      system.surface_acceleration(q),
+      system.largest_inertial_number(q));
+  if (options.cells < 8) text += fmt::format("; only {} cells: a coarse answer", options.cells);
+  if (delta == 0.0) return text;
+  text += fmt::format("; yield stress regularised with delta = {:.1e}", delta);
+  if (const auto edge = system.plug_edge(q); edge.mass > 0.0)
+    text += fmt::format(", plug edge at {:.4g} +- {:.1g} of the mass",
+                        edge.mass / layer.mass,
+                        edge.uncertainty / layer.mass);
+  return text;
+}
+
+void Start::flow() {
+  const std::vector<double> rest(system.size(), 0.0);
+  OdeSolver solver(system,
+                   rest,
+                   {.relative_tolerance = options.relative_tolerance,
+                    .absolute_tolerance = options.absolute_tolerance,
+                    .end_time = time_limit()});
+  const End end = integrate(solver);
+  const auto q = solver.state();
+  const Profile last = profile(q);
+  result.final_profile = in_case_units(layer, last);
+  result.end_time = solver.time() * layer.units.time;
+  result.residual = system.largest_acceleration(q) / layer.sine;
+  result.statistics = solver.statistics();
+  result.answer = {.outcome = outcome(end),
+                   .text = text(q),
+                   .out_of_domain = range_flags(layer, table, last),
+                   .condition_number = verdict.condition_number};
+}
+
+}  // namespace
+
+TransientChute start_from_rest(const RheologyTable& table,
+                               const ChuteCase& chute,
+                               const TransientOptions& options) {
+  const auto started = std::chrono::steady_clock::now();
+  validate(table);
+  const Layer layer = make_layer(table, chute);
+  const double delta = needs_regularisation(layer) ? options.yield_regularisation : 0.0;
+  check(options, delta > 0.0);
+  const Verdict verdict = steady_verdict(layer);
+  const ShearLayer system(layer, MassGrid(layer.mass, options.cells, options.grading), delta);
+  Start start{.table = table,
+              .layer = layer,
+              .options = options,
+              .verdict = verdict,
+              .delta = delta,
+              .system = system,
+              .settling_time = settling_time(system, verdict.outcome, options.steady_residual),
+              .output_times = sorted_times(options, layer.units.time)};
+  if (start.verdict.outcome == Outcome::arrested || no_friction_left(layer))
+    start.rest();
+  else
+    start.flow();
+  const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - started;
+  start.result.statistics.wall_seconds = taken.count();
+  return std::move(start.result);
+}
+
+}  // namespace grainlaw::continuum

@@ -1,0 +1,219 @@
+#include "continuum/ode_solver.h"
+
+#include <cvode/cvode.h>
+#include <fmt/format.h>
+#include <nvector/nvector_serial.h>
+#include <sundials/sundials_context.h>
+#include <sunlinsol/sunlinsol_band.h>
+#include <sunmatrix/sunmatrix_band.h>
+
+#include <cmath>
+#include <exception>
+
+namespace grainlaw::continuum {
+namespace {
+
+static_assert(std::is_same_v<sunrealtype, double>);
+
+struct FreeContext {
+  void operator()(SUNContext context) const { SUNContext_Free(&context); }
+};
+struct FreeVector {
+  void operator()(N_Vector vector) const { N_VDestroy(vector); }
+};
+struct FreeMatrix {
+  void operator()(SUNMatrix matrix) const { SUNMatDestroy(matrix); }
+};
+struct FreeLinearSolver {
+  void operator()(SUNLinearSolver solver) const { SUNLinSolFree(solver); }
+};
+struct FreeCvode {
+  void operator()(void* memory) const { CVodeFree(&memory); }
+};
+using Context = std::unique_ptr<std::remove_pointer_t<SUNContext>, FreeContext>;
+using Vector = std::unique_ptr<std::remove_pointer_t<N_Vector>, FreeVector>;
+using Matrix = std::unique_ptr<std::remove_pointer_t<SUNMatrix>, FreeMatrix>;
+using LinearSolver = std::unique_ptr<std::remove_pointer_t<SUNLinearSolver>, FreeLinearSolver>;
+using Cvode = std::unique_ptr<void, FreeCvode>;
+
+std::span<double> values(N_Vector vector) {
+  return {N_VGetArrayPointer(vector), static_cast<std::size_t>(N_VGetLength(vector))};
+}
+
+Context make_context() {
+  SUNContext context = nullptr;
+  if (SUNContext_Create(nullptr, &context) != 0) throw SolverError("SUNContext_Create failed");
+  return Context(context);
+}
+
+template <class Handle>
+Handle checked(Handle handle, const char* call) {
+  if (!handle) throw SolverError(fmt::format("{} failed (out of memory?)", call));
+  return handle;
+}
+
+/// What the callbacks see: the system, and what went wrong inside them. No exception may cross C.
+struct Callback {
+  const OdeSystem& system;
+  std::exception_ptr error;
+  std::string message;  // last one of the solver, which would otherwise print it
+
+  template <class Function>
+  int guarded(Function&& function) noexcept {
+    try {
+      function();
+      return 0;
+    } catch (...) {
+      error = std::current_exception();
+      return -1;
+    }
+  }
+};
+
+int rate(double t, N_Vector y, N_Vector dydt, void* user) {
+  auto& callback = *static_cast<Callback*>(user);
+  return callback.guarded([&] { callback.system.rate(t, values(y), values(dydt)); });
+}
+
+int jacobian(double t,
+             N_Vector y,
+             N_Vector /*rate*/,
+             SUNMatrix matrix,
+             void* user,
+             N_Vector /*scratch*/,
+             N_Vector /*scratch*/,
+             N_Vector /*scratch*/) {
+  auto& callback = *static_cast<Callback*>(user);
+  return callback.guarded([&] {
+    const TridiagonalView view(SUNBandMatrix_Cols(matrix),
+                               SUNBandMatrix_StoredUpperBandwidth(matrix));
+    callback.system.jacobian(t, values(y), view);
+  });
+}
+
+int event(double t, N_Vector y, double* value, void* user) {
+  auto& callback = *static_cast<Callback*>(user);
+  return callback.guarded([&] { *value = callback.system.event(t, values(y)); });
+}
+
+void keep_message(int, const char*, const char*, char* message, void* user) {
+  static_cast<Callback*>(user)->message = message;
+}
+
+}  // namespace
+
+struct OdeSolver::Implementation {
+  Implementation(const OdeSystem& system, std::span<const double> start, const OdeOptions& options)
+      : callback{system, {}, {}},
+        context(make_context()),
+        state(checked(Vector(N_VNew_Serial(static_cast<long>(start.size()), context.get())),
+                      "N_VNew_Serial")),
+        scratch(checked(Vector(N_VClone(state.get())), "N_VClone")),
+        matrix(checked(Matrix(SUNBandMatrix(static_cast<long>(start.size()), 1, 1, context.get())),
+                       "SUNBandMatrix")),
+        linear_solver(
+            checked(LinearSolver(SUNLinSol_Band(state.get(), matrix.get(), context.get())),
+                    "SUNLinSol_Band")),
+        cvode(checked(Cvode(CVodeCreate(CV_BDF, context.get())), "CVodeCreate")),
+        end_time(options.end_time) {
+    std::copy(start.begin(), start.end(), values(state.get()).begin());
+    void* memory = cvode.get();
+    check(CVodeSetErrHandlerFn(memory, keep_message, &callback), "CVodeSetErrHandlerFn");
+    check(CVodeInit(memory, rate, 0.0, state.get()), "CVodeInit");
+    check(CVodeSetUserData(memory, &callback), "CVodeSetUserData");
+    check(CVodeSStolerances(memory, options.relative_tolerance, options.absolute_tolerance),
+          "CVodeSStolerances");
+    check(CVodeSetLinearSolver(memory, linear_solver.get(), matrix.get()), "CVodeSetLinearSolver");
+    check(CVodeSetJacFn(memory, jacobian), "CVodeSetJacFn");
+    // Newton ten times tighter than usual: its noise otherwise costs twice the steps at a yield
+    // stress, and hides the approach to a steady state.
+    check(CVodeSetNonlinConvCoef(memory, 0.01), "CVodeSetNonlinConvCoef");
+    check(CVodeRootInit(memory, 1, event), "CVodeRootInit");
+    check(CVodeSetStopTime(memory, options.end_time), "CVodeSetStopTime");
+  }
+
+  void check(int flag, const char* call) {
+    if (flag >= 0) return;
+    if (callback.error) std::rethrow_exception(callback.error);
+    throw SolverError(fmt::format("{} failed: {}", call, callback.message));
+  }
+
+  [[noreturn]] void fail(int flag) {
+    if (callback.error) std::rethrow_exception(callback.error);
+    const std::unique_ptr<char, decltype(&std::free)> flag_name(CVodeGetReturnFlagName(flag),
+                                                                &std::free);
+    throw SolverError(
+        fmt::format("the time integration stopped at t = {:.6g} with {}: {}; largest "
+                    "local error in {}",
+                    time,
+                    flag_name.get(),
+                    callback.message,
+                    callback.system.component_name(worst_component())));
+  }
+
+  /// Index of the unknown with the largest estimated local error in units of its tolerance.
+  std::size_t worst_component() {
+    const Vector weights(N_VClone(state.get()));
+    if (CVodeGetEstLocalErrors(cvode.get(), scratch.get()) < 0) return 0;
+    if (CVodeGetErrWeights(cvode.get(), weights.get()) < 0) return 0;
+    const auto error = values(scratch.get());
+    const auto weight = values(weights.get());
+    std::size_t worst = 0;
+    for (std::size_t i = 1; i < error.size(); ++i)
+      if (std::abs(error[i] * weight[i]) > std::abs(error[worst] * weight[worst])) worst = i;
+    return worst;
+  }
+
+  Callback callback;  // its address is known to CVODE: this struct never moves
+  Context context;
+  Vector state;
+  Vector scratch;
+  Matrix matrix;
+  LinearSolver linear_solver;
+  Cvode cvode;
+  double end_time;
+  double time = 0.0;
+};
+
+OdeSolver::OdeSolver(const OdeSystem& system,
+                     std::span<const double> start,
+                     const OdeOptions& options)
+    : self_(std::make_unique<Implementation>(system, start, options)) {}
+
+OdeSolver::~OdeSolver() = default;
+
+OdeSolver::Step OdeSolver::step() {
+  auto& self = *self_;
+  const int flag =
+      CVode(self.cvode.get(), self.end_time, self.state.get(), &self.time, CV_ONE_STEP);
+  if (flag < 0) self.fail(flag);
+  if (flag == CV_ROOT_RETURN) return Step::event;
+  return flag == CV_TSTOP_RETURN ? Step::end : Step::advanced;
+}
+
+double OdeSolver::time() const {
+  return self_->time;
+}
+
+std::span<const double> OdeSolver::state() const {
+  return values(self_->state.get());
+}
+
+std::vector<double> OdeSolver::interpolate(double time) const {
+  self_->check(CVodeGetDky(self_->cvode.get(), time, 0, self_->scratch.get()), "CVodeGetDky");
+  const auto found = values(self_->scratch.get());
+  return {found.begin(), found.end()};
+}
+
+SolverStatistics OdeSolver::statistics() const {
+  void* memory = self_->cvode.get();
+  SolverStatistics statistics;
+  CVodeGetNumSteps(memory, &statistics.steps);
+  CVodeGetNumRhsEvals(memory, &statistics.rhs_evaluations);
+  CVodeGetNumJacEvals(memory, &statistics.jacobian_evaluations);
+  CVodeGetNumErrTestFails(memory, &statistics.error_test_failures);
+  CVodeGetNumNonlinSolvConvFails(memory, &statistics.newton_failures);
+  return statistics;
+}
+
+}  // namespace grainlaw::continuum
