@@ -14,15 +14,28 @@ double mean_of(std::span<const double> series) {
   return std::accumulate(series.begin(), series.end(), 0.0) / static_cast<double>(series.size());
 }
 
-/// Variance of the mean of all whole blocks of the given length, taken as independent.
+/// Variance of the mean from all blocks of the given length, overlapping ones included, taken as
+/// independent otherwise (Meketon and Schmeiser 1984).
 double variance_of_mean(std::span<const double> series, std::size_t length) {
-  const std::size_t blocks = series.size() / length;
-  std::vector<double> means(blocks);
-  for (std::size_t b = 0; b < blocks; ++b) means[b] = mean_of(series.subspan(b * length, length));
-  const double mean = mean_of(means);
-  double sum = 0.0;
-  for (const double m : means) sum += (m - mean) * (m - mean);
-  return sum / static_cast<double>(blocks - 1) / static_cast<double>(blocks);
+  const std::size_t n = series.size();
+  const double mean = mean_of(series);
+  std::vector<double> sums(n + 1, 0.0);
+  for (std::size_t k = 0; k < n; ++k) sums[k + 1] = sums[k] + series[k] - mean;
+  double squares = 0.0;
+  for (std::size_t k = 0; k + length <= n; ++k) {
+    const double sum = sums[k + length] - sums[k];
+    squares += sum * sum;
+  }
+  return squares /
+         (static_cast<double>(length) * static_cast<double>((n - length + 1) * (n - length)));
+}
+
+/// Blocks of length B miss the correlation across their ends and give V (1 - tau/B) of the true
+/// variance V of the mean, to first order; tau = V / (2 variance of single samples). Solved for V.
+double without_block_bias(double variance, double single, std::size_t length) {
+  if (length == 1 || single == 0.0) return variance;
+  const double most = single * static_cast<double>(length);  // tau = B / 2: no more can be told
+  return most * (1.0 - std::sqrt(std::max(0.0, 1.0 - 2.0 * variance / most)));
 }
 
 /// Probability that |t| is below the given value, for a whole number of degrees (Abramowitz and
@@ -60,6 +73,7 @@ BlockAverage block_average(std::span<const double> series) {
     const double cube = std::pow(static_cast<double>(length), 3.0);
     if (cube > 2.0 * static_cast<double>(n) * twice_tau * twice_tau) break;
   }
+  variance = without_block_bias(variance, single, result.block_length);
   // Anticorrelated blocks would claim more than N samples: not believed.
   variance = std::max(variance, single);
   result.error = std::sqrt(variance);

@@ -16,9 +16,10 @@ struct BlockAverage {
   bool converged = false;  ///< at least 10 blocks remained at the chosen length
 };
 
-/// Block averaging (Flyvbjerg and Petersen 1989). The block length B is the shortest with
-/// B^3 > 2 N (2 tau_int(B))^2, which balances the bias of short blocks against the noise of few
-/// (Lee et al. 2011).
+/// Block averaging (Flyvbjerg and Petersen 1989) with overlapping blocks, for less noise. The block
+/// length B is the shortest with B^3 > 2 N (2 tau_int(B))^2, which balances the bias of short
+/// blocks against the noise of few (Lee et al. 2011); what bias is left at B is corrected to first
+/// order. Blocks no longer than N / 4.
 BlockAverage block_average(std::span<const double> series);
 
 /// Marginal standard error rule (White 1997): how many samples to cut from the start so that the

@@ -1,0 +1,134 @@
+#include "dem/coarse_graining.h"
+
+#include <gtest/gtest.h>
+
+#include "dem/local_data.h"
+#include "tests/dem/support.h"
+
+namespace grainlaw::dem {
+namespace {
+
+using namespace test;
+
+const Bins bins{.z_begin = -2.0, .width = 0.7, .area = 16.0, .count = 10};
+
+SteadyWindow until(double end) {
+  SteadyWindow window;
+  window.end = end;
+  return window;
+}
+
+TEST(ShareStretch, SharesOfABranchSumToOne) {
+  for (const double z1 : {-1.9, -0.6, 0.1, 1.234, 4.9}) {
+    for (const double z2 : {-2.0, -0.61, 0.1, 0.8, 2.9}) {
+      double sum = 0.0;
+      share_stretch(bins, z1, z2, [&](std::size_t k, double share) {
+        EXPECT_LT(k, bins.count);
+        EXPECT_GE(share, 0.0);
+        sum += share;
+      });
+      EXPECT_NEAR(sum, 1.0, 1e-14);
+    }
+  }
+}
+
+TEST(ShareStretch, PartOutsideAllBinsIsLeftOut) {
+  double sum = 0.0;
+  share_stretch(bins, 4.0, 6.0, [&](std::size_t, double share) { sum += share; });
+  EXPECT_NEAR(sum, 0.5, 1e-14);
+  share_stretch(bins, 5.0, 5.0, [](std::size_t, double) { FAIL() << "top face is outside"; });
+  share_stretch(bins, -3.0, -2.5, [](std::size_t, double) { FAIL() << "below all bins"; });
+}
+
+TEST(FrameSampler, SheetOfGrainsInLinearFlowHasNoTemperature) {
+  // v_x = 0.7 z exactly: about the mean of a bin it would seem to fluctuate by (gd w)^2 / 12.
+  InitialState initial;
+  for (int k = 0; k < 350; ++k) {
+    initial.position.push_back({0.0, 0.0, 0.02 * k - 1.99});
+    initial.velocity.push_back({0.7 * initial.position.back().z, 0.0, 0.0});
+  }
+  const Particles particles = [&] {
+    Particles made = make_particles(initial, false);
+    restart_half_step(made, {});
+    return made;
+  }();
+  FrameSampler sampler(bins);
+  ProfileFrames frames{.z_begin = bins.z_begin, .bin_width = bins.width, .frames = {}};
+  for (int k = 0; k < 4; ++k) {
+    sampler.sample(particles, {}, {});
+    frames.frames.push_back(sampler.finish());
+    frames.frames.back().begin = k;
+    frames.frames.back().end = k + 1.0;
+  }
+  ChuteConditions conditions;
+  conditions.grain_density = 1.0;
+  conditions.stiffness = 1.0;
+  const auto rows = average(frames, conditions, until(4.0));
+  ASSERT_EQ(rows.size(), 10u);
+  for (const LocalRow& row : rows) {
+    EXPECT_NEAR(row.temperature.value, 0.0, 1e-14);
+    EXPECT_NEAR(row.shear_rate.value, 0.7, 1e-13);
+    EXPECT_NEAR(row.velocity.value, 0.7 * row.z, 1e-13);
+    EXPECT_NEAR(row.velocity.error, 0.0, 1e-9);
+  }
+}
+
+/// A column settled on its base at zero tilt, with the frames of a while after.
+struct Settled {
+  ProfileFrames frames;
+  ChuteConditions conditions;
+};
+
+Settled settle_column() {
+  const Scene scene = small_chute(0.0, 150);
+  const ChuteGrains grains = pack_chute(scene);
+  SimulationSetup setup;
+  setup.box = grains.box;
+  setup.dynamics = {.mass = 1.0, .gravity = {0, 0, -1}, .time_step = time_step(scene)};
+  Simulation simulation(
+      rough(soft, 0.5),
+      setup,
+      {.position = grains.column, .velocity = {}, .spin = {}, .frozen = grains.base});
+  while (simulation.time() < 30.0) simulation.step();
+  const Bins column{.z_begin = -3.0, .width = 0.5, .area = 16.0, .count = 30};
+  FrameSampler sampler(column);
+  Settled settled{.frames = {column.z_begin, column.width, {}}, .conditions = {}};
+  settled.conditions.grain_density = scene.grains.density();
+  settled.conditions.stiffness = soft.stiffness;
+  settled.conditions.mass_per_area = 150.0 / 16.0;
+  for (int k = 0; k < 4; ++k) {
+    std::vector<ContactSample> contacts;
+    simulation.step([&](std::uint32_t i, std::uint32_t j, const Vec3& branch, const Vec3& force) {
+      contacts.push_back({i, j, branch, force});
+    });
+    sampler.sample(simulation.particles(), setup.dynamics, contacts);
+    settled.frames.frames.push_back(sampler.finish());
+    settled.frames.frames.back().begin = k;
+    settled.frames.frames.back().end = k + 1.0;
+  }
+  return settled;
+}
+
+TEST(FrameSampler, NormalStressOfASettledLayerIsTheWeightAbove) {
+  const Settled settled = settle_column();
+  const auto rows = average(settled.frames, settled.conditions, until(4.0));
+  // Exact weight above, averaged over the bin: point masses count by the share of the bin below
+  // them, which is mass_above of a centred bin plus the part its offset moves.
+  int compared = 0;
+  for (const LocalRow& row : rows) {
+    const auto bin = static_cast<std::size_t>((row.z - settled.frames.z_begin) / 0.5);
+    if (row.z < 0.0) continue;  // base contacts lie below z = 0
+    double above = 0.0;
+    const auto& moments = settled.frames.frames.front().bins;
+    for (std::size_t k = bin + 1; k < moments.size(); ++k) above += 0.5 * moments[k].mass;
+    above += 0.25 * moments[bin].mass + moments[bin].mass_offset;
+    // What is left of the motion after settling: accelerations of 1e-3 g.
+    EXPECT_NEAR(row.normal_stress.value, above, 1e-3 * settled.conditions.mass_per_area)
+        << "z = " << row.z;
+    ++compared;
+  }
+  EXPECT_GE(compared, 8);
+}
+
+}  // namespace
+}  // namespace grainlaw::dem
