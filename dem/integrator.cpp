@@ -22,7 +22,9 @@ void advance_spins(Particles& particles, const Dynamics& dynamics) {
   for (std::size_t i = 0; i < particles.half_spin.size(); ++i) {
     const Vec3 rate = spin_acceleration(particles.load[i], dynamics);
     particles.half_spin[i] += dt * rate;
-    static_cast<Vec3&>(particles.spin[i]) = particles.half_spin[i] + 0.5 * dt * rate;
+    static_cast<Vec3&>(particles.spin[i]) =
+        particles.half_spin[i] + dt * (rate - 0.5 * particles.last_spin_rate[i]);
+    particles.last_spin_rate[i] = rate;
   }
 }
 
@@ -40,7 +42,8 @@ Motion advance(Particles& particles, const Dynamics& dynamics, const Vec3& frame
     const Vec3 half = particles.half_velocity[i] + dt * rate;
     particles.half_velocity[i] = half;
     grain.position += dt * half;
-    grain.velocity = half + 0.5 * dt * rate;
+    grain.velocity = half + dt * (rate - 0.5 * particles.last_rate[i]);
+    particles.last_rate[i] = rate;
     particles.load[i] = {};
     const double speed2 = square(half - frame_velocity);
     fastest2 = std::max(fastest2, speed2);
@@ -64,12 +67,14 @@ Vec3 spin(const Particles& particles, std::size_t i, const Dynamics& dynamics) {
 void restart_half_step(Particles& particles, const Dynamics& dynamics) {
   const double half = 0.5 * dynamics.time_step;
   for (std::size_t i = 0; i < particles.mobile; ++i) {
-    particles.half_velocity[i] =
-        particles.state[i].velocity - half * acceleration(particles.load[i], dynamics);
+    const Vec3 rate = acceleration(particles.load[i], dynamics);
+    particles.half_velocity[i] = particles.state[i].velocity - half * rate;
+    particles.last_rate[i] = rate;
   }
   for (std::size_t i = 0; i < particles.half_spin.size(); ++i) {
-    particles.half_spin[i] =
-        particles.spin[i] - half * spin_acceleration(particles.load[i], dynamics);
+    const Vec3 rate = spin_acceleration(particles.load[i], dynamics);
+    particles.half_spin[i] = particles.spin[i] - half * rate;
+    particles.last_spin_rate[i] = rate;
   }
 }
 

@@ -34,9 +34,11 @@ struct Particles {
   std::vector<GrainState> state;
   std::vector<PaddedVec3> spin;  ///< R omega, predicted like the velocity [length/time]
   std::vector<GrainLoad> load;
-  std::vector<Vec3> half_velocity;  ///< at n - 1/2, mobile grains
-  std::vector<Vec3> half_spin;      ///< at n - 1/2, mobile grains
-  std::vector<std::uint32_t> id;    ///< of the grain when the simulation was made
+  std::vector<Vec3> half_velocity;   ///< at n - 1/2, mobile grains
+  std::vector<Vec3> half_spin;       ///< at n - 1/2, mobile grains
+  std::vector<Vec3> last_rate;       ///< d(velocity)/dt at the last step, mobile grains
+  std::vector<Vec3> last_spin_rate;  ///< d(R omega)/dt at the last step, mobile grains
+  std::vector<std::uint32_t> id;     ///< of the grain when the simulation was made
 
   std::size_t size() const { return state.size(); }
 };

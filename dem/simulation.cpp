@@ -95,9 +95,11 @@ Particles make_particles(const InitialState& initial, bool rotates) {
   particles.load.resize(all);
   particles.id.resize(all);
   particles.half_velocity.resize(mobile);
+  particles.last_rate.resize(mobile);
   if (rotates) {
     particles.spin.resize(all);
     particles.half_spin.resize(mobile);
+    particles.last_spin_rate.resize(mobile);
   }
   for (std::size_t i = 0; i < all; ++i) {
     particles.id[i] = static_cast<std::uint32_t>(i);
@@ -116,10 +118,12 @@ void reorder(Particles& particles, const std::vector<std::uint32_t>& order) {
   permute(particles.state, order);
   permute(particles.id, order);
   permute(particles.half_velocity, order);
+  permute(particles.last_rate, order);
   permute(particles.load, order);
   if (particles.spin.empty()) return;
   permute(particles.spin, order);
   permute(particles.half_spin, order);
+  permute(particles.last_spin_rate, order);
 }
 
 Vec3 wrap(Particles& particles, const Box& box) {

@@ -52,8 +52,8 @@ TEST(Hooke, RestitutionFollowsFromDampingAndStiffness) {
 TEST(Hooke, RestitutionErrorFallsWithTheSquareOfTheStep) {
   const double exact = stiff.restitution(half_mass);
   const double contact = stiff.collision_time(half_mass);
-  const double coarse = mean_restitution(smooth(stiff), {}, contact / 25.0) - exact;
-  const double fine = mean_restitution(smooth(stiff), {}, contact / 50.0) - exact;
+  const double coarse = mean_restitution(smooth(stiff), {}, contact / 100.0) - exact;
+  const double fine = mean_restitution(smooth(stiff), {}, contact / 200.0) - exact;
   EXPECT_NEAR(std::log2(coarse / fine), 2.0, 0.3);
 }
 
