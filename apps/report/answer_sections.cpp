@@ -20,11 +20,12 @@ Table answer_table(const Report& report) {
                .rows = {},
                .text_columns = 4};
   for (const RunComparison& run : report.runs) {
-    result.rows.push_back({run_label(run),
-                           text(continuum::name(run.steady.answer.outcome)),
-                           text(run.start ? continuum::name(run.start->answer.outcome) : "–"),
-                           text(run.steady.answer.text),
-                           condition_cell(run.steady.answer)});
+    result.rows.push_back(
+        {run_label(run),
+         text(continuum::name(run.steady.answer.outcome)),
+         text(run.start ? continuum::name(run.start->answer.outcome) : "–"),
+         R"(<span class="prose">)"_html + text(run.steady.answer.text) + "</span>"_html,
+         condition_cell(run.steady.answer)});
   }
   return result;
 }

@@ -13,6 +13,11 @@ double flowing_grain_steps_per_second(const dem::RunSummary& run) {
   return static_cast<double>(run.steps) * run.flowing_grains / run.wall_seconds;
 }
 
+/// Zero stands for a time that nobody took.
+std::string time_taken(double seconds) {
+  return seconds > 0.0 ? duration(seconds) : "–";
+}
+
 Table dem_table(const Report& report) {
   Table result{.caption = "DEM runs. Grain-steps count the flowing grains."_html,
                .head = {"Run"_html,
@@ -32,7 +37,7 @@ Table dem_table(const Report& report) {
                            text(duration(cost.wall_seconds)),
                            text(duration(cost.startup_wall_seconds)),
                            text(significant(1e-6 * flowing_grain_steps_per_second(cost), 3)),
-                           text(duration(run.predict_seconds))});
+                           text(time_taken(run.predict_seconds))});
   }
   return result;
 }
@@ -44,7 +49,7 @@ Table stage_table(const Report& report) {
                .text_columns = 1};
   for (const StageCost& cost : report.costs) {
     result.rows.push_back(
-        {text(cost.stage), text(duration(cost.wall_seconds)), text(duration(cost.cpu_seconds))});
+        {text(cost.stage), text(duration(cost.wall_seconds)), text(time_taken(cost.cpu_seconds))});
   }
   return result;
 }
@@ -52,7 +57,7 @@ Table stage_table(const Report& report) {
 std::string window_text(const dem::LocalData& data) {
   const double unit = scales(data.conditions).time;
   if (!data.window.steady) return "not steady";
-  return significant(data.window.begin / unit, 4) + " to " + significant(data.window.end / unit, 4);
+  return fmt::format("{:.4g} to {:.4g}", data.window.begin / unit, data.window.end / unit);
 }
 
 /// Lowest and middle N_eff over the rows.

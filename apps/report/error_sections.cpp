@@ -97,14 +97,12 @@ Html missing_sentences(const Report& report) {
   return items.empty() ? Html{} : list(items);
 }
 
-std::string largest_start_error(const RunComparison& run) {
-  const auto worst = std::max_element(
+/// The moment at which the velocity profile is furthest off.
+const calibration::TransientError& worst_moment(const RunComparison& run) {
+  return *std::max_element(
       run.start_error.begin(), run.start_error.end(), [](const auto& a, const auto& b) {
         return a.velocity_error < b.velocity_error;
       });
-  return fmt::format("{} at t = {}",
-                     significant(100.0 * worst->velocity_error, 2),
-                     significant(worst->time / scales(run.data.conditions).time, 3));
 }
 
 /// Time after which the mean velocity stays above 95 % of its last value.
@@ -115,15 +113,20 @@ double arrival_time(const RunComparison& run, Mean mean) {
                                    run.start_error.rend(),
                                    [&](const auto& m) { return mean(m) < goal; });
   const auto after = before == run.start_error.rbegin() ? before : std::prev(before);
-  return after->time / scales(run.data.conditions).time;
+  return after->time;
+}
+
+std::string time_text(const RunComparison& run, double time) {
+  return fmt::format("{:.4g}", time / scales(run.data.conditions).time);
 }
 
 Table start_table(const Report& report) {
   Table result{.caption =
-                   "Start from rest. <i>t</i><sub>95</sub>: time from which the mean velocity "
-                   "stays above 95 % of its last value, in √(<i>d</i>/<i>g</i>)."_html,
+                   "<i>t</i><sub>95</sub>: time from which the mean velocity "
+                   "stays above 95 % of its last value. Times in √(<i>d</i>/<i>g</i>)."_html,
                .head = {"Run"_html,
                         "Largest error of <i>u</i>(<i>z</i>, <i>t</i>) [% of steady]"_html,
+                        "at <i>t</i>"_html,
                         "<i>t</i><sub>95</sub> DEM"_html,
                         "<i>t</i><sub>95</sub> continuum"_html,
                         "Steady − CVODE [relative]"_html,
@@ -135,9 +138,10 @@ Table start_table(const Report& report) {
     const auto measured = [](const auto& moment) { return moment.measured_mean; };
     const auto predicted = [](const auto& moment) { return moment.predicted_mean; };
     result.rows.push_back({run_label(run),
-                           text(largest_start_error(run)),
-                           text(significant(arrival_time(run, measured), 3)),
-                           text(significant(arrival_time(run, predicted), 3)),
+                           text(significant(100.0 * worst_moment(run).velocity_error, 2)),
+                           text(time_text(run, worst_moment(run).time)),
+                           text(time_text(run, arrival_time(run, measured))),
+                           text(time_text(run, arrival_time(run, predicted))),
                            text(significant(run.steady_against_transient, 2)),
                            text(count(static_cast<double>(run.start->statistics.steps)))});
   }
@@ -161,7 +165,7 @@ Table time_table(const Report& report) {
                         "Claimed s.e. of <i>I</i> [%]"_html},
                .rows = {},
                .text_columns = 0};
-  for (const RunComparison& run : report.runs) result.head.push_back(run_label(run) + " [%]"_html);
+  for (const RunComparison& run : report.runs) result.head.push_back(text(run.data.name + " [%]"));
   const double time = report.runs.empty() ? 1.0 : scales(report.runs.front().data.conditions).time;
   for (const TimeErrorPoint& point : report.error_against_time) {
     std::vector<Html> row = {text(significant(point.averaging_time / time, 3)),

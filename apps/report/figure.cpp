@@ -18,10 +18,10 @@ struct SeriesStyle {
 };
 
 // Shapes and dashes differ as well, so that a figure can be read without its colours.
-constexpr std::array<SeriesStyle, 4> series = {{{6, "1", colour::measured},
+constexpr std::array<SeriesStyle, 4> series = {{{7, "1", colour::measured},
                                                 {5, "(12,4)", colour::predicted},
-                                                {8, "(6,3,2,3)", colour::third},
-                                                {12, "(2,3)", colour::fourth}}};
+                                                {9, "(6,3,2,3)", colour::third},
+                                                {13, "(2,3)", colour::fourth}}};
 
 }  // namespace
 
@@ -58,20 +58,31 @@ set output '{0}.svg'
 set encoding utf8
 set datafile separator comma
 set datafile columnheaders
+set lmargin at screen {3:.3f}
+set rmargin at screen 0.97
+set bmargin at screen {4:.3f}
+set tmargin at screen {5:.3f}
 set border 3
-set tics nomirror out scale 0.6
+set tics nomirror out scale 0.5
+set xtics offset 0,0.3
+set ytics offset 0.4,0
+set xlabel offset 0,0.6
+set ylabel offset 0.7,0
 set format '%g'
 set errorbars 0
-set key tmargin left horizontal samplen 2
+set key at screen {3:.3f},0.99 left top Left reverse horizontal samplen 1.6 width -1
 )",
                      name,
                      size.width,
-                     size.height);
+                     size.height,
+                     62.0 / size.width,
+                     52.0 / size.height,
+                     1.0 - 46.0 / size.height);
 }
 
 std::string point_style(std::size_t k) {
   const SeriesStyle& style = series[k % series.size()];
-  return fmt::format("pt {} ps 0.55 lc rgb '{}'", style.point, style.colour);
+  return fmt::format("pt {} ps 0.5 lc rgb '{}'", style.point, style.colour);
 }
 
 std::string line_style(std::size_t k) {

@@ -43,7 +43,7 @@ std::string plot_text(std::string_view name);
 
 struct PlotSize {
   int width = 360;
-  int height = 300;
+  int height = 306;
 };
 
 /// First lines of every script: terminal, output file, CSV reading and the common look.

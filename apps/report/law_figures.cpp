@@ -13,18 +13,21 @@ namespace {
 
 constexpr PlotSize law_size{.width = 480, .height = 340};
 
-const std::vector<calibration::FlowPoint>& fitted_points(const Report& report) {
-  static const std::vector<calibration::FlowPoint> none;
-  return report.fit ? report.fit->points : none;
+std::vector<calibration::FlowPoint> points_of_runs(const Report& report, bool in_sample) {
+  std::vector<calibration::FlowPoint> points;
+  for (const RunComparison& run : report.runs) {
+    const bool fitted = run.kind == calibration::SampleKind::in_sample;
+    if (run.point && fitted == in_sample) points.push_back(*run.point);
+  }
+  return points;
+}
+
+std::vector<calibration::FlowPoint> fitted_points(const Report& report) {
+  return report.fit ? report.fit->points : points_of_runs(report, true);
 }
 
 std::vector<calibration::FlowPoint> other_points(const Report& report) {
-  std::vector<calibration::FlowPoint> points;
-  for (const RunComparison& run : report.runs) {
-    const bool fitted = report.fit && run.kind == calibration::SampleKind::in_sample;
-    if (run.point && !fitted) points.push_back(*run.point);
-  }
-  return points;
+  return points_of_runs(report, false);
 }
 
 Csv points_csv(const std::vector<calibration::FlowPoint>& points) {
@@ -64,7 +67,8 @@ continuum::Range shown_range(const Report& report) {
   continuum::Range range = report.table.range.inertial_number.value_or(
       continuum::Range{.lower = std::numeric_limits<double>::infinity(), .upper = 0.0});
   std::vector<calibration::FlowPoint> points = other_points(report);
-  points.insert(points.end(), fitted_points(report).begin(), fitted_points(report).end());
+  const std::vector<calibration::FlowPoint> fitted = fitted_points(report);
+  points.insert(points.end(), fitted.begin(), fitted.end());
   for (const calibration::FlowPoint& point : points) {
     range.lower = std::min(range.lower, point.inertial_number.value);
     range.upper = std::max(range.upper, point.inertial_number.value);
@@ -76,7 +80,7 @@ continuum::Range shown_range(const Report& report) {
 /// p* in the middle of the fitted rows; a law without softness does not ask for it.
 double typical_softness(const Report& report) {
   double sum = 0.0;
-  const auto& points = fitted_points(report);
+  const std::vector<calibration::FlowPoint> points = fitted_points(report);
   for (const auto& point : points) sum += 0.5 * (point.softness_lower + point.softness_upper);
   return points.empty() ? 0.0 : sum / static_cast<double>(points.size());
 }
@@ -150,11 +154,11 @@ FigureGroup law_figures(const Report& report) {
       {.name = "law_friction",
        .script = script(report, "law_friction", "mu", "{/:Italic μ}"),
        .label = "Friction against inertial number, DEM points and law",
-       .caption = "Friction <i>μ</i>(<i>I</i>). Dashed where no data lie."_html});
+       .caption = "Friction <i>μ</i>(<i>I</i>). Dotted where no data lie"_html});
   group.figures.push_back({.name = "law_volume_fraction",
                            .script = script(report, "law_volume_fraction", "phi", "{/:Italic φ}"),
                            .label = "Volume fraction against inertial number, DEM points and law",
-                           .caption = "Volume fraction <i>φ</i>(<i>I</i>), same points."_html});
+                           .caption = "Volume fraction <i>φ</i>(<i>I</i>), same points"_html});
   return group;
 }
 

@@ -58,7 +58,7 @@ Table fit_table(const std::string& law, const FitSummary& fit, const std::string
       cells.push_back(std::move(cell));
     }
     for (std::size_t j = 0; correlated && j < size; ++j) {
-      cells.push_back(text(significant(fit.correlation[i * size + j], 2)));
+      cells.push_back(text(fixed(fit.correlation[i * size + j], 2)));
     }
     cells.push_back(text(remark(coefficient)));
     result.rows.push_back(std::move(cells));
@@ -117,14 +117,24 @@ Html remarks(const FitSummary& fit) {
   return sentences(fit.not_identifiable) + sentences(fit.left_out);
 }
 
+Html point_remarks(const std::vector<calibration::FlowPoint>& points) {
+  std::vector<std::string> lines;
+  for (const calibration::FlowPoint& point : points) {
+    for (const std::string& note : point.notes) lines.push_back(point.name + ": " + note);
+    for (const std::string& row : point.left_out) lines.push_back(point.name + ": " + row);
+  }
+  return sentences(lines);
+}
+
 Html base_sentence(const continuum::RheologyTable& given) {
   if (!given.base) return paragraph("The table has <i>u</i> = 0 at <i>z</i> = 0."_html);
-  std::string words =
-      fmt::format("Effective base: u = 0 at z = {} d, with a mass of {} ρₚd below it",
-                  significant(given.base->no_slip_height, 3),
-                  significant(given.base->mass_below, 3));
-  if (!given.base->recipe.empty()) words += ", for the base: " + given.base->recipe;
-  return paragraph(text(words + "."));
+  Html words = "Effective base: <i>u</i> = 0 at <i>z</i> = "_html +
+               text(significant(given.base->no_slip_height, 3)) +
+               " <i>d</i>, with a mass per area of "_html +
+               text(significant(given.base->mass_below, 3)) +
+               " <i>ρ<sub>p</sub>d</i> below it"_html;
+  if (!given.base->recipe.empty()) words += text(", for the base: " + given.base->recipe);
+  return paragraph(words + "."_html);
 }
 
 }  // namespace
@@ -138,6 +148,7 @@ Html law_section(const Report& report, const FigureGroup& group, const Pictures&
     content += table(fit_table("Volume fraction φ(I)", fit.volume_fraction, report.table.units));
     content += remarks(fit.volume_fraction);
     content += table(point_table(fit.points));
+    content += point_remarks(fit.points);
   } else {
     content += table(given_table(report.table));
     if (!report.table.covariance) {
@@ -169,7 +180,7 @@ Html coefficient_symbol(const std::string& name) {
 
 std::string coefficient_unit(const std::string& name, const std::string& units) {
   static const std::map<std::string, std::map<std::string, std::string>> known = {
-      {"grain", {{"a", "m/d"}, {"b", "m/(d τ)"}, {"tau_c", "m g/d²"}}},
+      {"grain", {{"a", "m/d"}, {"b", "m/(d\u00a0τ)"}, {"tau_c", "m g/d²"}}},
       {"stiffness", {{"a", "ρₚd²"}, {"b", "√(ρₚkₙd)"}, {"tau_c", "kₙ/d"}}},
       {"si", {{"a", "kg/m"}, {"b", "Pa s"}, {"tau_c", "Pa"}}}};
   if (name == "no_slip_height") return "d";

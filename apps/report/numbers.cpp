@@ -14,7 +14,7 @@ namespace {
 constexpr std::string_view absent = "–";
 
 /// Beyond these powers of ten a number is easier to read with its power written out.
-constexpr int smallest_plain_power = -4;
+constexpr int smallest_plain_power = -3;
 constexpr int largest_plain_power = 5;
 
 std::string with_minus_sign(const std::string& number) {
@@ -41,13 +41,14 @@ bool is_plain(int power) {
   return power >= smallest_plain_power && power <= largest_plain_power;
 }
 
+}  // namespace
+
 std::string fixed(double value, int decimals) {
+  if (!std::isfinite(value)) return std::string(absent);
   const double unit = std::pow(10.0, -decimals);  // decimals < 0: round to tens, hundreds
   const double rounded = decimals < 0 ? std::round(value / unit) * unit : value;
   return with_minus_sign(fmt::format("{:.{}f}", rounded, std::max(0, decimals)));
 }
-
-}  // namespace
 
 std::string significant(double value, int digits) {
   if (!std::isfinite(value)) return std::string(absent);
@@ -87,7 +88,8 @@ std::string percent(const dem::Estimate& ratio) {
 std::string degrees(double radians) {
   if (!std::isfinite(radians)) return std::string(absent);
   const double rounded = std::round(radians * 180.0 / std::numbers::pi * 100.0) / 100.0;
-  return with_minus_sign(fmt::format("{:g}°", rounded));
+  const bool one_decimal = std::abs(10.0 * rounded - std::round(10.0 * rounded)) < 1e-6;
+  return with_minus_sign(fmt::format("{:.{}f}°", rounded, one_decimal ? 1 : 2));
 }
 
 std::string duration(double seconds) {

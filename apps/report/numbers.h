@@ -10,6 +10,9 @@ namespace grainlaw::report {
 /// large. NaN and infinity, which mean "not there", become a dash.
 std::string significant(double value, int digits = 3);
 
+/// Number with the given decimals; negative ones round to tens, hundreds, ...
+std::string fixed(double value, int decimals);
+
 /// "0.3672 ± 0.0021": value rounded to the second digit of its standard error. Without an error
 /// the value with 4 digits.
 std::string with_error(const dem::Estimate& estimate);

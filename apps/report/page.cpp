@@ -56,8 +56,8 @@ Html picture(const Figure& figure, const Pictures& pictures) {
   const auto drawn = pictures.svg.find(figure.name);
   const Html content = drawn == pictures.svg.end() ? R"(<div class="missing">Not drawn.</div>)"_html
                                                    : Html{drawn->second};
-  const Html source = {fmt::format(R"( <a href="plots/{0}.gp">{0}.gp</a>)", figure.name)};
-  return "<figure>"_html + content + "<figcaption>"_html + figure.caption + "."_html + source +
+  const Html source = {fmt::format(R"( (<a href="plots/{}.gp">script</a>))", figure.name)};
+  return "<figure>"_html + content + "<figcaption>"_html + figure.caption + source +
          "</figcaption></figure>\n"_html;
 }
 

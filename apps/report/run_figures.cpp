@@ -90,6 +90,17 @@ bool has_band(const RunComparison& run) {
       rows.begin(), rows.end(), [](const auto& row) { return row.velocity_error > 0.0; });
 }
 
+/// Volume fraction of the middle row, where no layer of base or surface reaches.
+double bulk_volume_fraction(const dem::LocalData& data) {
+  return data.rows[data.rows.size() / 2].volume_fraction.value;
+}
+
+/// An axis range around one value, wide enough for scatter, narrow enough to show differences.
+std::string range_around(double value) {
+  if (!(value > 0.0)) return {};
+  return fmt::format("set xrange [{:.3f}:{:.3f}]\n", 0.8 * value, 1.2 * value);
+}
+
 std::vector<Quantity> quantities(const RunComparison& run) {
   const double friction = std::tan(run.data.conditions.inclination);
   const bool band = has_band(run);
@@ -98,11 +109,15 @@ std::vector<Quantity> quantities(const RunComparison& run) {
            "{/:Italic v_x} / √({/:Italic gd})",
            "set xrange [0:*]\n",
            band},
-          {"volume_fraction", "phi", "{/:Italic φ}", "set xrange [0:0.7]\n", band},
+          {"volume_fraction",
+           "phi",
+           "{/:Italic φ}",
+           range_around(bulk_volume_fraction(run.data)),
+           band},
           {"friction",
            "mu",
            "{/:Italic μ} = {/:Italic σ_{xz}} / {/:Italic σ_{zz}}",
-           fmt::format("set xrange [{:.2f}:{:.2f}]\n", 0.7 * friction, 1.3 * friction),
+           range_around(friction),
            false}};
 }
 

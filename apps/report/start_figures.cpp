@@ -112,6 +112,18 @@ plot '{0}.csv' using "t [sqrt(d/g)]":"DEM [sqrt(g d)]" with points {1} title 'DE
                      point_style(0));
 }
 
+std::string error_script(const std::string& name, const std::string& data) {
+  return plot_head(name) +
+         fmt::format(R"(set xlabel '{{/:Italic t}} / √({{/:Italic d}}/{{/:Italic g}})'
+set ylabel '{{/:Italic L}}_2 error / steady {{/:Italic L}}_2 [%]'
+set xrange [0:*]
+set yrange [0:*]
+plot '{0}.csv' using "t [sqrt(d/g)]":(100 * column("velocity error [steady L2]")) with linespoints {1} notitle
+)",
+                     data,
+                     point_style(1));
+}
+
 std::string profile_script(const std::string& name,
                            const std::vector<double>& times,
                            double time_unit) {
@@ -124,7 +136,7 @@ std::string profile_script(const std::string& name,
   for (std::size_t k = 0; k < times.size(); ++k) {
     const std::string points = fmt::format("points {} title '{{/:Italic t}} = {}'",
                                            point_style(k),
-                                           significant(times[k] / time_unit, 3));
+                                           fmt::format("{:.4g}", times[k] / time_unit));
     const std::string lines = "lines " + line_style(k) + " notitle";
     result += k > 0 ? ", \\\n     " : "";
     result += fmt::format(fmt::runtime(part), name, "dem", k + 1, points) + ", \\\n     ";
@@ -155,6 +167,11 @@ FigureGroup start_figures(const RunComparison& run, std::size_t number) {
        .label = "Velocity against height at several times from rest, " + run_title(run),
        .caption = "Velocity at times <i>t</i> [√(<i>d</i>/<i>g</i>)]: DEM frames (points), "
                   "continuum (lines)"_html});
+  const std::string error = file_stem(run, number) + "_start_error";
+  group.figures.push_back({.name = error,
+                           .script = error_script(error, mean),
+                           .label = "Error of the velocity profile against time, " + run_title(run),
+                           .caption = "Error of <i>u</i>(<i>z</i>, <i>t</i>)"_html});
   return group;
 }
 

@@ -51,12 +51,12 @@ table { border-collapse: collapse; border-top: 1.5px solid var(--ink);
   border-bottom: 1.5px solid var(--ink); font: 0.84rem/1.35 system-ui, "Segoe UI", Roboto,
   "DejaVu Sans", sans-serif; font-variant-numeric: tabular-nums lining-nums; }
 caption { text-align: left; color: var(--soft); padding-bottom: 0.45rem; }
-th, td { padding: 0.28rem 0 0.28rem 1.3rem; text-align: right; white-space: nowrap; }
+th, td { padding: 0.28rem 0 0.28rem 1.05rem; text-align: right; white-space: nowrap; }
 th { font-weight: 600; vertical-align: bottom; }
 thead th { border-bottom: 1px solid var(--ink); white-space: normal; min-width: 4.2rem; }
 th.words, td.words { text-align: left; }
-td.words { white-space: normal; min-width: 5.5rem; max-width: 26rem; vertical-align: top; }
 td { vertical-align: top; }
+.prose { display: inline-block; white-space: normal; width: 26rem; }
 tr > :first-child { padding-left: 0.2rem; }
 tr > :last-child { padding-right: 0.2rem; }
 tr.group th { padding-top: 0.8rem; font-style: italic; font-weight: 400; }

@@ -109,29 +109,23 @@ std::optional<Line> error_line(const Report& report, SampleKind kind, const Html
   if (runs.empty()) return std::nullopt;
   std::vector<Html> parts;
   for (const RunComparison* run : runs) parts.push_back(error_of_run(*run));
-  return Line{topic, "velocity error at "_html + join(parts, "; "_html) + "."_html};
+  return Line{topic, "Velocity error at "_html + join(parts, "; "_html) + "."_html};
 }
 
 std::optional<Line> start_line(const Report& report) {
-  const RunComparison* worst = nullptr;
-  double largest = 0.0;
-  double lowest = INFINITY;
+  std::vector<Html> parts;
   for (const RunComparison& run : report.runs) {
-    double error = 0.0;
-    for (const auto& moment : run.start_error) error = std::fmax(error, moment.velocity_error);
-    if (!(error > 0.0)) continue;
-    lowest = std::min(lowest, error);
-    if (error > largest) worst = &run;
-    largest = std::max(largest, error);
+    double largest = 0.0;
+    for (const auto& moment : run.start_error) largest = std::fmax(largest, moment.velocity_error);
+    if (!(largest > 0.0)) continue;
+    parts.push_back(text(degrees(run.data.conditions.inclination) + ": " +
+                         significant(100.0 * largest, 2) + " %"));
   }
-  if (worst == nullptr) return std::nullopt;
-  return Line{
-      "Start from rest"_html,
-      text(fmt::format("nobody fitted it. The largest error of u(z, t) on the way, over the "
-                       "steady profile, is {} to {} % from run to run (worst at {}).",
-                       significant(100.0 * lowest, 2),
-                       significant(100.0 * largest, 2),
-                       degrees(worst->data.conditions.inclination)))};
+  if (parts.empty()) return std::nullopt;
+  return Line{"Start from rest"_html,
+              "Nobody fitted it. Largest error of the velocity profile on the way to steady flow, "
+              "relative to the steady profile: "_html +
+                  join(parts, "; "_html) + "."_html};
 }
 
 Line answers_line(const Report& report) {
@@ -167,7 +161,7 @@ Line range_line(const Report& report) {
     }
   }
   if (parts.empty())
-    return {"Range"_html, "every prediction stays inside the range of the data."_html};
+    return {"Range"_html, "Every prediction stays inside the range of the data."_html};
   return {"Outside the data"_html, join(parts, "; "_html) + "."_html};
 }
 
@@ -180,7 +174,7 @@ std::optional<Line> condition_line(const Report& report) {
   }
   if (parts.empty()) return std::nullopt;
   return Line{"Condition number"_html,
-              "an error of 1 % in <i>μ</i> becomes so many % in <i>I</i> and velocity: "_html +
+              "An error of 1 % in <i>μ</i> becomes so many % in <i>I</i> and velocity: "_html +
                   join(parts, "; "_html) + "."_html};
 }
 

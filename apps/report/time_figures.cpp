@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "apps/report/figure.h"
+#include "apps/report/numbers.h"
 
 namespace grainlaw::report {
 namespace {
@@ -41,11 +42,11 @@ Csv error_csv(const Report& report) {
     csv.columns.push_back(run_column(report, k) + " error");
   }
   for (const TimeErrorPoint& point : report.error_against_time) {
-    const bool failed = !point.failure.empty();
+    if (!point.failure.empty()) continue;
     std::vector<double> row = {point.averaging_time / time_unit(report),
                                point.dem_wall_seconds,
-                               failed ? nan : positive(point.law_error),
-                               failed ? nan : positive(point.law_standard_error)};
+                               positive(point.law_error),
+                               positive(point.law_standard_error)};
     for (std::size_t k = 0; k < report.runs.size(); ++k) {
       row.push_back(positive(entry(point.profile_error, k)));
       row.push_back(positive(entry(point.profile_standard_error, k)));
@@ -71,16 +72,37 @@ std::string guide(const Csv& csv, std::size_t x, std::size_t first_column, std::
   return {};
 }
 
-std::string head(const std::string& name, const std::string& x_label, const std::string& y_label) {
-  return plot_head(name) + "set logscale xy\nset format xy '%h'\nset xlabel '" + x_label +
-         "'\nset ylabel '" + y_label + "'\nset offsets graph 0.05, graph 0.05\n";
+/// Tics at 1, 2, 5 of every decade: the axes span a decade or less, where gnuplot labels one tic.
+std::string tics() {
+  std::string result;
+  for (int power = -5; power <= 6; ++power) {
+    for (const int digit : {1, 2, 5}) {
+      result += fmt::format("{}{:g}", result.empty() ? "" : ", ", digit * std::pow(10.0, power));
+    }
+  }
+  return result;
+}
+
+constexpr const char* time_label = "averaging time / √({/:Italic d}/{/:Italic g})";
+
+std::string head(const std::string& name,
+                 const Csv& csv,
+                 std::size_t x,
+                 const std::string& x_label,
+                 const std::string& y_label) {
+  return plot_head(name) + fmt::format(
+                               "set logscale xy\nset xtics ({0})\nset ytics ({0})\n"
+                               "set xlabel '{1}'\nset ylabel '{2}'\nset xrange [{3:.4g}:{4:.4g}]\n",
+                               tics(),
+                               x_label,
+                               y_label,
+                               0.8 * csv.rows.front()[x],
+                               1.25 * csv.rows.back()[x]);
 }
 
 std::string law_script(const std::string& name, const Csv& csv) {
   const std::string shown = guide(csv, 0, 3, csv.columns.size());
-  return head(name,
-              "averaging time / √({/:Italic d}/{/:Italic g})",
-              "relative error of {/:Italic I}") +
+  return head(name, csv, 0, time_label, "relative error of {/:Italic I}") +
          fmt::format(
              "plot {3}'{0}' using \"{1}\":\"law standard error\" with linespoints "
              "lw 1.3 dt (6,4) {4} title 'claimed s.e.', \\\n     "
@@ -93,29 +115,39 @@ std::string law_script(const std::string& name, const Csv& csv) {
              point_style(1));
 }
 
+bool has_number(const Csv& csv, std::size_t column) {
+  return std::any_of(csv.rows.begin(), csv.rows.end(), [&](const auto& row) {
+    return std::isfinite(row[column]);
+  });
+}
+
+/// Line of the k-th run, with error bars where they are known.
+std::string run_part(const Report& report, const Csv& csv, std::size_t x, std::size_t k) {
+  const std::size_t column = 4 + 2 * k;
+  const bool errors = has_number(csv, column + 1);
+  return fmt::format(
+      "'{}' using \"{}\":\"{}\"{} lw 1.2 dt {} {} title '{}'",
+      data_file,
+      csv.columns[x],
+      csv.columns[column],
+      errors ? ":\"" + csv.columns[column + 1] + "\" with yerrorlines" : " with linespoints",
+      k / 4 + 1,
+      point_style(k),
+      degrees(report.runs[k].data.conditions.inclination));
+}
+
 std::string profile_script(const Report& report,
                            const std::string& name,
                            const Csv& csv,
                            std::size_t x) {
-  const bool time = x == 0;
-  std::string result = head(
-      name,
-      time ? "averaging time / √({/:Italic d}/{/:Italic g})" : "DEM wall time, all fitted runs [s]",
-      "velocity error (relative {/:Italic L}_2)");
+  const char* label = x == 0 ? time_label : "DEM wall time of all fitted runs [s]";
   std::string parts = guide(csv, x, 4, 2);
   for (std::size_t k = 0; k < report.runs.size(); ++k) {
-    const std::string column = run_column(report, k);
-    parts += parts.empty() ? "" : ", \\\n     ";
-    parts += fmt::format(
-        "'{0}' using \"{1}\":\"{2}\":\"{2} error\" with yerrorlines lw 1.2 dt {4} {3} "
-        "title '{2}'",
-        data_file,
-        csv.columns[x],
-        column,
-        point_style(k),
-        k / 4 + 1);
+    if (!has_number(csv, 4 + 2 * k)) continue;
+    parts += (parts.empty() ? "" : ", \\\n     ") + run_part(report, csv, x, k);
   }
-  return result + "plot " + parts + "\n";
+  return head(name, csv, x, label, "velocity error, relative {/:Italic L}_2") + "plot " + parts +
+         "\n";
 }
 
 }  // namespace
@@ -135,6 +167,7 @@ FigureGroup time_figures(const Report& report) {
                            .caption =
                                "Law: largest difference of <i>I</i>(<i>θ</i>) from the fit to all "
                                "data, and the standard error that each fit claims"_html});
+  if (guide(csv, 0, 4, 2).empty()) return group;  // no profile to compare
   group.figures.push_back({.name = "error_profile_time",
                            .script = profile_script(report, "error_profile_time", csv, 0),
                            .label = "Error of predicted profiles against DEM averaging time",

@@ -127,8 +127,8 @@ TEST_F(Report, EveryFigureIsInThePageAndCanBeDrawnAgain) {
     ++scripts;
     EXPECT_TRUE(fs::exists(fs::path(entry.path()).replace_extension(".svg"))) << entry.path();
   }
-  // Law 2; five steady runs 3 profiles and 2 start-up figures each; error against time 3.
-  EXPECT_EQ(scripts, 2u + 5u * (3u + 2u) + 3u);
+  // Law 2; five steady runs 3 profiles and 3 start-up figures each; error against time 3.
+  EXPECT_EQ(scripts, 2u + 5u * (3u + 3u) + 3u);
   EXPECT_EQ(attributes(html, "role").size(), scripts);
   const std::string first = io::read_file(plot("law_friction.svg"));
   fs::remove(plot("law_friction.svg"));
