@@ -114,7 +114,7 @@ BagnoldInput prepare(const dem::LocalData& run, const Observations& observations
   BagnoldInput input;
   input.data = gather(run.rows, observations.rows, run.conditions);
   input.errors = gather_errors(run.rows, observations.rows);
-  for (const std::vector<LocalRow>& rows : block_rows(run)) {
+  for (const std::vector<LocalRow>& rows : blocks_for_fit(run)) {
     input.blocks.push_back(gather(rows, observations.rows, run.conditions));
   }
   input.mass_below_base =

@@ -137,7 +137,7 @@ FlowPoint flow_point(const dem::LocalData& data, const RowSelection& selection) 
   point.left_out = observations.left_out;
   store_values(values, point);
 
-  const auto blocks = block_rows(data);
+  const auto blocks = blocks_for_fit(data);
   point.blocks = static_cast<int>(blocks.size());
   std::vector<PointValues> without;
   for (std::size_t b = 0; b < blocks.size(); ++b) {

@@ -190,6 +190,16 @@ std::vector<std::vector<dem::LocalRow>> block_rows(const dem::LocalData& data) {
   return blocks;
 }
 
+std::vector<std::vector<dem::LocalRow>> blocks_for_fit(const dem::LocalData& data) {
+  constexpr std::size_t fewest_blocks = 4;
+  std::vector<std::vector<dem::LocalRow>> blocks = block_rows(data);
+  if (data.frames.frames.empty() || blocks.size() >= fewest_blocks) return blocks;
+  throw FitError("run '" + data.name + "' has " + std::to_string(blocks.size()) +
+                 " independent blocks in its steady window, at least " +
+                 std::to_string(fewest_blocks) +
+                 " are needed for standard errors: average over a longer time");
+}
+
 std::vector<dem::LocalRow> mean_without(const std::vector<std::vector<dem::LocalRow>>& blocks,
                                         std::size_t left_out) {
   std::vector<dem::LocalRow> means;

@@ -28,6 +28,10 @@ Observations select_rows(const dem::LocalData& data, const RowSelection& selecti
 /// saltating layer) are NaN there. No blocks when the run has no frames (imported data).
 std::vector<std::vector<dem::LocalRow>> block_rows(const dem::LocalData& data);
 
+/// The same for a fit, whose errors rest on them. Throws FitError when the run has frames but makes
+/// fewer than 4 blocks: the scatter of so few says nothing.
+std::vector<std::vector<dem::LocalRow>> blocks_for_fit(const dem::LocalData& data);
+
 /// Means over all blocks but one, for the jackknife: values of the fields, without errors.
 std::vector<dem::LocalRow> mean_without(const std::vector<std::vector<dem::LocalRow>>& blocks,
                                         std::size_t left_out);
