@@ -30,15 +30,18 @@ std::array<Series, 3> series_of(std::span<const ProfileFrame> frames) {
   return series;
 }
 
-bool at_rest(std::span<const double> velocity,
-             std::span<const ProfileFrame> frames,
-             const SteadyCriteria& criteria) {
-  const double end = frames.back().end;
-  if (end - frames.front().begin < criteria.rest_time) return false;
-  for (std::size_t k = frames.size(); k-- > 0 && end - frames[k].begin <= criteria.rest_time;) {
-    if (std::abs(velocity[k]) > criteria.rest_velocity) return false;
-  }
-  return true;
+/// First frame of the last stretch of rest_time; frames.size() where the run is shorter.
+std::size_t rest_begin(std::span<const ProfileFrame> frames, const SteadyCriteria& criteria) {
+  const double begin = frames.back().end - criteria.rest_time;
+  if (frames.front().begin > begin) return frames.size();
+  std::size_t k = frames.size() - 1;
+  while (frames[k].begin > begin) --k;
+  return k;
+}
+
+bool at_rest(std::span<const double> velocity, const SteadyCriteria& criteria) {
+  const auto slow = [&](double v) { return std::abs(v) <= criteria.rest_velocity; };
+  return !velocity.empty() && std::ranges::all_of(velocity, slow);
 }
 
 /// True where the second half of the run gained at least half as much speed as the first: a
@@ -78,10 +81,11 @@ Assessment assess(std::span<const ProfileFrame> frames, const SteadyCriteria& cr
   if (frames.empty()) return {.reason = "short: no frame yet"};
   const auto series = series_of(frames);
   const std::vector<double>& velocity = series[0].values;
-  if (at_rest(velocity, frames, criteria)) {
+  const std::size_t last_stretch = rest_begin(frames, criteria);
+  if (at_rest(std::span(velocity).subspan(last_stretch), criteria)) {
     return {FlowState::arrested,
             true,
-            frames.size() - 1,
+            last_stretch,
             fmt::format("arrested: slower than {} for {} time units",
                         criteria.rest_velocity,
                         criteria.rest_time)};
@@ -90,7 +94,7 @@ Assessment assess(std::span<const ProfileFrame> frames, const SteadyCriteria& cr
   if (gaining && velocity.back() > criteria.runaway_velocity) {
     return {FlowState::accelerating,
             true,
-            frames.size() - 1,
+            frames.size() * 3 / 4,
             fmt::format("accelerating: mean velocity {:.3g}, beyond any dense flow of this depth "
                         "({:.3g}), and still rising",
                         velocity.back(),

@@ -11,7 +11,7 @@ using namespace test;
 
 /// A chute on 5 d by 5 d, 6 d deep: small enough for a test, deep enough to have a bulk.
 Scene flowing_chute() {
-  Scene scene = small_chute(25.0, 170);
+  Scene scene = small_chute(27.0, 170);
   scene.geometry.length = 5.0;
   scene.geometry.width = 5.0;
   scene.measurement.averaging_time = 40.0;
