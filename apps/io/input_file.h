@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "apps/io/input_key.h"
@@ -18,48 +19,72 @@ struct InputError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// A file that could not be written or read; what() names path and system error.
+/// An input file that cannot be used at all: missing, foreign, cut short, changed.
+struct ReadError : InputError {
+  using InputError::InputError;
+};
+
+/// A file that could not be written; what() names path and system error.
 struct FileError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// A rectangular or ragged list of rows of numbers.
+/// Rows of a matrix as written, not necessarily of equal length.
 using NumberRows = std::vector<std::vector<double>>;
 
 struct InputState;
 
 /// One section of an input file. Nothing throws while keys are read: problems are gathered, a
 /// placeholder is returned, and InputFile::finish reports all of them at once.
-/// T: double, std::int64_t, bool, std::string, std::vector<double>, std::vector<std::string>,
-/// NumberRows. Numbers are returned in internal units, bounds hold in the units of the file.
+/// T: double, std::int64_t, bool, std::string, std::vector<double>, std::vector<std::string> or
+/// NumberRows. Numbers come in internal units; their bounds hold in the units of the file.
 class Section {
  public:
-  /// Is the section in the file (always, when listing keys)?
-  bool given() const;
+  bool given() const;  ///< is it in the file (always, when listing keys)
   bool has(std::string_view key) const;
 
   /// A key that has to be there.
   template <class T>
-  T read(const Key& key);
-  /// A key with a default, which is given in internal units; `note` describes its unit there.
+  T read(const Key& key) {
+    const std::optional<T> value = ask<T>(key, "required");
+    if (!value) report_missing(key);
+    return value.value_or(T{});
+  }
+  /// A key with a default, in internal units; `note` names them in the key list.
   template <class T>
-  T read_or(const Key& key, const T& otherwise, std::string_view note = {});
-  /// A key that may be absent.
+  T read_or(const Key& key, const T& otherwise, std::string_view note = {}) {
+    return ask<T>(key, default_text(otherwise, note)).value_or(otherwise);
+  }
+  /// A key that may be absent; `note` says in the key list what happens then.
   template <class T>
-  std::optional<T> find(const Key& key);
-  /// A word out of a list; required.
-  std::string choice(const Key& key, const std::vector<std::string>& words);
+  std::optional<T> find(const Key& key, std::string_view note = "optional") {
+    return ask<T>(key, note);
+  }
+  /// A word out of a list; required unless there is a default.
+  std::string choice(const Key& key,
+                     const std::vector<std::string>& words,
+                     const std::optional<std::string>& otherwise = {});
 
-  /// Exactly one of these keys has to be there.
+  /// Exactly one of these keys, all read before, has to be there.
   void exactly_one_of(const std::vector<std::string>& keys);
-  /// Do the keys that follow apply? They do when listing, where `condition` is shown with them.
+  /// Do the keys that follow apply? When listing, all do.
   bool applies(bool condition) const;
-  /// Gathers a problem with a key (with the section, when the key is absent).
-  void problem(std::string_view key, const std::string& text);
+  /// Gathers the problem that a key should be there.
+  void report_missing(const Key& key);
+  /// Gathers a problem with a key, or with the section when the key is absent.
+  void problem(std::string_view key, std::string text, std::string hint = {});
 
  private:
   friend class InputFile;
-  Section(InputState& state, std::string name) : state_(&state), name_(std::move(name)) {}
+  Section(InputState& state, std::string_view name) : state_(&state), name_(name) {}
+
+  template <class T>
+  std::optional<T> ask(const Key& key, std::string_view missing);
+  static std::string default_text(double value, std::string_view note);
+  static std::string default_text(std::int64_t value, std::string_view note);
+  static std::string default_text(bool value, std::string_view note);
+  static std::string default_text(const std::string& value, std::string_view note);
+
   InputState* state_;
   std::string name_;
 };
@@ -67,7 +92,7 @@ class Section {
 /// A TOML file that knows where everything stands in it.
 class InputFile {
  public:
-  /// Throws FileError when the file cannot be read and InputError for a syntax error.
+  /// Throws ReadError when the file cannot be read and InputError for a syntax error.
   static InputFile open(const std::filesystem::path& path);
   static InputFile from_text(std::string text, const std::filesystem::path& path);
   /// No file: every section is given, every key absent, nothing is a problem. For key lists.
@@ -80,15 +105,15 @@ class InputFile {
   Section section(std::string_view name, std::string_view meaning);           ///< has to be there
   Section optional_section(std::string_view name, std::string_view meaning);  ///< may be absent
 
-  bool has_problems() const;
-  /// Throws InputError when there were problems or keys and sections nobody asked for.
+  /// Throws InputError when there were problems, or keys and sections nobody asked for.
   void finish();
-  /// "file:line:column: error: text" with the line and a caret under the key, for a problem that
-  /// is found after finish().
+  /// The message for a problem with a key that is found later.
   std::string message(std::string_view section,
                       std::string_view key,
-                      const std::string& text) const;
+                      std::string_view text,
+                      std::string_view hint = {}) const;
 
+  bool is_listing() const;
   const std::string& text() const;
   const std::filesystem::path& path() const;
   std::string key_list() const;  ///< Markdown

@@ -62,6 +62,9 @@ struct SectionEntry {
   std::vector<KeyEntry> keys;
 };
 
+/// The words with the separator between them.
+std::string joined(const std::vector<std::string>& words, std::string_view separator);
+
 /// A Markdown table for each section.
 std::string markdown(const std::vector<SectionEntry>& sections);
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -13,7 +14,8 @@ namespace grainlaw::io {
 /// Throws FileError with path and system error.
 void safe_write(const std::filesystem::path& path, std::string_view bytes);
 
-/// All bytes of a file, at most 4 GiB. Throws FileError.
-std::string read_file(const std::filesystem::path& path);
+/// All bytes of a file of at most `largest` bytes. Throws ReadError.
+std::string read_file(const std::filesystem::path& path,
+                      std::size_t largest = std::size_t{4} << 30);
 
 }  // namespace grainlaw::io

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "apps/io/input_file.h"
@@ -46,14 +47,22 @@ struct Units {
   std::string symbols() const;  ///< what the letters of symbol() stand for, a sentence
 };
 
-/// Units of a named set, for the diameter, density and gravity of a file in that set.
-Units grain_units();
+/// The internal units themselves.
+inline Units grain_units() {
+  return {};
+}
+
+/// Units of a set, for the diameter, density and gravity of a file in that set.
 Units stiffness_units(double gravity);
 Units si_units(double diameter, double density, double gravity);
 
-/// Reads `units`, [grains] and the key `gravity` of `section`, and refuses keys that the named set
+/// Reads `units`, [grains] and the key `gravity` of a section, and refuses keys that the named set
 /// already fixes (a diameter in units of diameters).
-Units read_units(InputFile& in, Section& section);
+Units read_units(InputFile& in, Section& with_gravity);
+
+/// The key `stiffness`, which the set "stiffness" fixes, in internal units.
+std::optional<double> find_stiffness(Section& section, const Units& units);
+double read_stiffness(Section& section, const Units& units);
 
 /// Degrees to radians.
 double radians(double degrees);

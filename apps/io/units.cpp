@@ -1,0 +1,150 @@
+#include "apps/io/units.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace grainlaw::io {
+namespace {
+
+/// Powers of one sign, "length time^2"; sign = 1 takes the positive exponents, -1 the negative.
+std::vector<std::string> factors(Dimension d, const std::array<std::string, 3>& symbols, int sign) {
+  std::vector<std::string> out;
+  const std::array<int, 3> exponents{d.mass, d.length, d.time};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const int power = sign * exponents[k];
+    if (power == 1) out.push_back(symbols[k]);
+    if (power > 1) out.push_back(fmt::format("{}^{}", symbols[k], power));
+  }
+  return out;
+}
+
+/// A product of powers such as "mass/(length time^2)"; "1" when all exponents are zero.
+std::string product(Dimension d, const std::array<std::string, 3>& symbols) {
+  const std::vector<std::string> above = factors(d, symbols, 1);
+  const std::vector<std::string> below = factors(d, symbols, -1);
+  const std::string numerator = above.empty() ? "1" : joined(above, " ");
+  if (below.empty()) return numerator;
+  if (below.size() == 1) return fmt::format("{}/{}", numerator, below.front());
+  return fmt::format("{}/({})", numerator, joined(below, " "));
+}
+
+/// One line of the table of what a named set fixes.
+struct FixedKey {
+  const char* set;
+  const char* key;
+  const char* sentence;
+};
+constexpr FixedKey fixed_keys[] = {
+    {"grain", "diameter", "is 1 in units = \"grain\", whose length is the grain diameter"},
+    {"grain", "density", "is 6/pi in units = \"grain\", whose mass is the mass of a grain"},
+    {"grain", "gravity", "is 1 in units = \"grain\", whose acceleration is gravity"},
+    {"stiffness", "diameter", "is 1 in units = \"stiffness\", whose length is the grain diameter"},
+    {"stiffness", "density", "is 1 in units = \"stiffness\", whose density is that of the grains"},
+    {"stiffness", "stiffness", "is 1 in units = \"stiffness\", that of the contact"},
+};
+
+const FixedKey* fixed(const std::string& set, std::string_view key) {
+  for (const FixedKey& line : fixed_keys) {
+    if (set == line.set && key == line.key) return &line;
+  }
+  return nullptr;
+}
+
+/// A key that some sets fix: refused there, where it is 1; otherwise what the file says.
+std::optional<double> find_unless_fixed(Section& section, const std::string& set, const Key& key) {
+  const auto value = section.find<double>(key, "required, unless the set of units fixes it");
+  const FixedKey* line = fixed(set, key.name);
+  if (line == nullptr) return value;
+  if (section.has(key.name)) {
+    section.problem(key.name,
+                    fmt::format("'{}' {}: leave it out, or give the whole file in another set",
+                                key.name,
+                                line->sentence));
+  }
+  return 1.0;
+}
+
+double read_unless_fixed(Section& section, const std::string& set, const Key& key) {
+  const auto value = find_unless_fixed(section, set, key);
+  if (!value) section.report_missing(key);
+  return value.value_or(1.0);
+}
+
+Key stiffness_key(const Units& units) {
+  return {"stiffness", "normal contact stiffness k_n", units[dimension::stiffness], positive};
+}
+
+}  // namespace
+
+double Units::size(Dimension d) const {
+  return std::pow(mass, d.mass) * std::pow(length, d.length) * std::pow(time, d.time);
+}
+
+Unit Units::operator[](Dimension d) const {
+  const std::string words = product(d, {"mass", "length", "time"});
+  return {words == "1" ? "" : words, size(d)};
+}
+
+std::string Units::symbol(Dimension d) const {
+  if (name == "si") return product(d, {"kg", "m", "s"});
+  return product(d, {"m", "d", "t"});
+}
+
+std::string Units::symbols() const {
+  if (name == "si") return "SI: kg, m, s";
+  if (name == "stiffness") {
+    return "stiffness: m = rho_p d^3, d = grain diameter, t = sqrt(rho_p d^3 / k_n)";
+  }
+  return "grain: m = mass of a grain, d = grain diameter, t = sqrt(d/g)";
+}
+
+Units si_units(double diameter, double density, double gravity) {
+  const double volume = std::numbers::pi / 6.0 * diameter * diameter * diameter;
+  return {"si", diameter, density * volume, std::sqrt(diameter / gravity)};
+}
+
+Units stiffness_units(double gravity) {
+  return {"stiffness", 1.0, std::numbers::pi / 6.0, std::sqrt(1.0 / gravity)};
+}
+
+Units read_units(InputFile& in, Section& with_gravity) {
+  const std::string set = in.top().choice(
+      {"units",
+       "set of all numbers in the file: \"grain\" (grain mass m, diameter d, gravity g are 1), "
+       "\"stiffness\" (grain density, diameter, contact stiffness are 1), \"si\" (kg, m, s)"},
+      {"grain", "stiffness", "si"});
+  constexpr auto meaning = "The grains: what the set of units does not fix";
+  Section grains =
+      set == "si" ? in.section("grains", meaning) : in.optional_section("grains", meaning);
+  const Key diameter{"diameter", "mean grain diameter d", {"length"}, positive};
+  const Key density{"density", "grain density rho_p", {"mass/length^3"}, positive};
+  const Key gravity{"gravity", "g", {"length/time^2"}, positive};
+  const double d = read_unless_fixed(grains, set, diameter);
+  const double rho_p = read_unless_fixed(grains, set, density);
+  const double g = read_unless_fixed(with_gravity, set, gravity);
+  if (set == "si") return si_units(d, rho_p, g);
+  return set == "stiffness" ? stiffness_units(g) : Units{};
+}
+
+std::optional<double> find_stiffness(Section& section, const Units& units) {
+  const auto value = find_unless_fixed(section, units.name, stiffness_key(units));
+  return units.name == "stiffness" ? 1.0 / units.size(dimension::stiffness) : value;
+}
+
+double read_stiffness(Section& section, const Units& units) {
+  const auto value = find_stiffness(section, units);
+  if (!value) section.report_missing(stiffness_key(units));
+  return value.value_or(1.0);
+}
+
+double radians(double degrees) {
+  return degrees * std::numbers::pi / 180.0;
+}
+double degrees(double radians) {
+  return radians * 180.0 / std::numbers::pi;
+}
+
+}  // namespace grainlaw::io
