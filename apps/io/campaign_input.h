@@ -18,7 +18,7 @@ struct Campaign {
   std::filesystem::path path;
 };
 
-/// Reads campaign and scene. Throws InputError, FileError, dem::StepRefused.
+/// Reads campaign and scene. Throws InputError, dem::StepRefused.
 Campaign read_campaign(const std::filesystem::path& path);
 
 /// "theta23", "theta24.2": name of the run at a tilt [rad], unique within a campaign.

@@ -23,8 +23,9 @@ struct CaseFile {
   std::filesystem::path path;
 };
 
-/// Throws InputError, FileError.
+/// Throws InputError.
 CaseFile read_case(const std::filesystem::path& path);
+CaseFile parse_case(const std::string& text, const std::filesystem::path& path);
 
 /// The keys of a case file as Markdown.
 std::string case_keys();

@@ -31,7 +31,7 @@ void write_local_data(const dem::LocalData& data,
                       const SceneFile& scene,
                       const std::filesystem::path& path);
 
-/// Reads what write_local_data wrote, bit for bit. Throws FileError with a sentence for a file
+/// Reads what write_local_data wrote, bit for bit. Throws ReadError with a sentence for a file
 /// that is foreign, cut short, changed or of a newer format.
 dem::LocalData read_local_data(const std::filesystem::path& path);
 RunRecord read_run_record(const std::filesystem::path& path);

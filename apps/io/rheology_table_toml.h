@@ -8,7 +8,7 @@
 
 namespace grainlaw::io {
 
-/// Reads and validates a table. Throws InputError, FileError.
+/// Reads and validates a table. Throws InputError.
 continuum::RheologyTable read_table(const std::filesystem::path& path);
 continuum::RheologyTable parse_table(const std::string& text, const std::filesystem::path& path);
 

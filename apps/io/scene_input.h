@@ -21,7 +21,7 @@ struct SceneOptions {
 };
 
 /// Reads and validates a scene. A missing section is a missing mechanism.
-/// Throws InputError, FileError, and dem::StepRefused for a step that would be unstable.
+/// Throws InputError, and dem::StepRefused for a step that would be unstable.
 SceneFile read_scene(const std::filesystem::path& path, const SceneOptions& options = {});
 
 /// Same for a text, e.g. the scene inside a local data file; `path` is for messages.

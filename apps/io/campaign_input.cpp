@@ -1,0 +1,86 @@
+#include "apps/io/campaign_input.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace grainlaw::io {
+namespace {
+
+std::vector<double> read_tilts(Section& section, std::string_view key, std::string_view meaning) {
+  std::vector<double> tilts =
+      section.read<std::vector<double>>({key, meaning, {"degrees"}, between(-90.0, 90.0)});
+  if (section.has(key) && tilts.empty()) {
+    section.problem(key, fmt::format("'{}' is empty: give at least one tilt", key));
+  }
+  std::ranges::transform(tilts, tilts.begin(), radians);
+  return tilts;
+}
+
+/// Tilts are the same when their runs would have the same name.
+void refuse_duplicates(Section& section, const Campaign& campaign) {
+  std::vector<std::string> names;
+  const auto add = [&](const std::vector<double>& tilts, std::string_view key) {
+    for (const double tilt : tilts) {
+      const std::string name = run_name(tilt);
+      if (std::ranges::count(names, name) > 0) {
+        section.problem(key,
+                        fmt::format("tilt {:.6g} degrees is there twice: a run cannot be used "
+                                    "twice, nor be both fitted and predicted",
+                                    degrees(tilt)));
+      }
+      names.push_back(name);
+    }
+  };
+  add(campaign.calibrate_tilts, "calibrate");
+  add(campaign.predict_tilts, "predict");
+}
+
+std::string read_keys(InputFile& in, Campaign& campaign) {
+  Section top = in.top();
+  campaign.title = top.read_or<std::string>(
+      {"title", "of the report"}, in.path().stem().string(), "name of the file");
+  std::string scene = top.read<std::string>({"scene", "scene file, relative to this file"});
+  Section tilts = in.section("tilts", "Tilts of the scene, each one run");
+  campaign.calibrate_tilts = read_tilts(tilts, "calibrate", "runs the law is fitted to");
+  campaign.predict_tilts = read_tilts(tilts, "predict", "runs that check the predictions");
+  refuse_duplicates(tilts, campaign);
+  return scene;
+}
+
+}  // namespace
+
+Campaign read_campaign(const std::filesystem::path& path) {
+  InputFile in = InputFile::open(path);
+  Campaign campaign;
+  const std::string scene = read_keys(in, campaign);
+  in.finish();
+  campaign.text = in.text();
+  campaign.path = path;
+  try {
+    campaign.scene = read_scene(path.parent_path() / scene);
+  } catch (const ReadError& error) {
+    throw InputError(in.message("", "scene", error.what()));
+  }
+  return campaign;
+}
+
+std::string run_name(double tilt) {
+  return fmt::format("theta{:.6g}", degrees(tilt));
+}
+
+SceneFile scene_at(const Campaign& campaign, double tilt) {
+  SceneFile file = campaign.scene;
+  file.scene.geometry.inclination = tilt;
+  file.scene.name = run_name(tilt);
+  return file;
+}
+
+std::string campaign_keys() {
+  InputFile in = InputFile::listing();
+  Campaign campaign;
+  read_keys(in, campaign);
+  return in.key_list();
+}
+
+}  // namespace grainlaw::io

@@ -1,0 +1,382 @@
+#include "apps/io/local_data_hdf5.h"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <ctime>
+#include <thread>
+
+#include "apps/io/hdf5_file.h"
+#include "apps/io/safe_write.h"
+#include "apps/io/sealed_file.h"
+
+namespace grainlaw::io {
+namespace {
+
+using namespace dem;
+
+constexpr std::string_view kind = "local data";
+constexpr int format = 1;
+
+/// A number of a struct, its name in the file and its dimension: one line writes and reads it.
+template <class T, class Member = double>
+struct Field {
+  const char* name;
+  Member T::*member;
+  Dimension dimension = {};
+};
+
+constexpr Field<ChuteConditions> condition_fields[] = {
+    {"inclination", &ChuteConditions::inclination},
+    {"gravity", &ChuteConditions::gravity, dimension::acceleration},
+    {"grain_diameter", &ChuteConditions::grain_diameter, dimension::length},
+    {"grain_density", &ChuteConditions::grain_density, dimension::density},
+    {"stiffness", &ChuteConditions::stiffness, dimension::stiffness},
+    {"contact_friction", &ChuteConditions::contact_friction},
+    {"mass_per_area", &ChuteConditions::mass_per_area, dimension::mass_per_area},
+};
+
+constexpr Field<SteadyWindow> window_fields[] = {
+    {"begin", &SteadyWindow::begin, dimension::time},
+    {"end", &SteadyWindow::end, dimension::time},
+};
+
+constexpr Field<RunSummary> summary_fields[] = {
+    {"time_step", &RunSummary::time_step, dimension::time},
+    {"contact_time", &RunSummary::contact_time, dimension::time},
+    {"restitution", &RunSummary::restitution},
+    {"largest_overlap", &RunSummary::largest_overlap},
+    {"deep_overlap_share", &RunSummary::deep_overlap_share},
+    {"energy_residual", &RunSummary::energy_residual},
+    {"coordination", &RunSummary::coordination},
+};
+
+constexpr Field<RunSummary> run_fields[] = {
+    // they differ between equal runs: group /run
+    {"wall_seconds", &RunSummary::wall_seconds},
+    {"startup_wall_seconds", &RunSummary::startup_wall_seconds},
+};
+
+constexpr Field<LocalRow> row_fields[] = {
+    {"z", &LocalRow::z, dimension::length},
+    {"mass_above", &LocalRow::mass_above, dimension::mass_per_area},
+    {"effective_samples", &LocalRow::effective_samples},
+};
+
+constexpr Field<LocalRow, Estimate> estimate_fields[] = {
+    {"velocity", &LocalRow::velocity, dimension::velocity},
+    {"shear_rate", &LocalRow::shear_rate, dimension::rate},
+    {"volume_fraction", &LocalRow::volume_fraction},
+    {"shear_stress", &LocalRow::shear_stress, dimension::stress},
+    {"normal_stress", &LocalRow::normal_stress, dimension::stress},
+    {"temperature", &LocalRow::temperature, dimension::temperature},
+    {"inertial_number", &LocalRow::inertial_number},
+    {"softness", &LocalRow::softness},
+    {"friction", &LocalRow::friction},
+};
+
+constexpr Field<ProfileFrame> frame_fields[] = {
+    {"begin", &ProfileFrame::begin, dimension::time},
+    {"end", &ProfileFrame::end, dimension::time},
+    {"centre_of_mass", &ProfileFrame::centre_of_mass, dimension::length},
+    {"kinetic_energy", &ProfileFrame::kinetic_energy, {1, 2, -2}},
+};
+
+constexpr std::size_t moments = 20;
+using Moments = std::array<double, moments>;
+static_assert(sizeof(Moments) == sizeof(BinMoments), "a new moment needs a new format version");
+constexpr auto moment_names =
+    "mass, momentum x y z, momentum_flux xx yy zz xy xz yz, mass_offset, mass_offset_squared, "
+    "momentum_offset, contact_stress xx yy zz xy xz yz, contacts";
+
+std::string symbol(Dimension dimension) {
+  return grain_units().symbol(dimension);
+}
+
+template <class T, std::size_t n>
+void write_fields(Hdf5Writer& out,
+                  const std::string& group,
+                  const T& from,
+                  const Field<T> (&fields)[n]) {
+  for (const Field<T>& field : fields) {
+    out.attribute(group, field.name, from.*field.member);
+    out.attribute(group, std::string(field.name) + "_unit", symbol(field.dimension));
+  }
+}
+
+template <class T, std::size_t n>
+void read_fields(const Hdf5Reader& in,
+                 const std::string& group,
+                 T& to,
+                 const Field<T> (&fields)[n]) {
+  for (const Field<T>& field : fields) to.*field.member = in.number(group, field.name);
+}
+
+/// One dataset over all elements of a list, value(element) each.
+template <class T, class Value>
+void write_column(Hdf5Writer& out,
+                  const std::string& path,
+                  const std::vector<T>& list,
+                  Dimension dimension,
+                  Value value) {
+  std::vector<double> column;
+  for (const T& element : list) column.push_back(value(element));
+  out.dataset(path, column, {column.size()});
+  out.attribute(path, "unit", symbol(dimension));
+}
+
+template <class T, class Target>
+void read_column(const Hdf5Reader& in,
+                 const std::string& path,
+                 std::vector<T>& list,
+                 Target target) {
+  const std::vector<double> column = in.numbers(path, {list.size()});
+  for (std::size_t k = 0; k < list.size(); ++k) target(list[k]) = column[k];
+}
+
+void write_rows(Hdf5Writer& out, const std::vector<LocalRow>& rows) {
+  out.group("rows");
+  for (const auto& [name, member, dimension] : row_fields) {
+    write_column(out, std::string("rows/") + name, rows, dimension, [=](const LocalRow& row) {
+      return row.*member;
+    });
+  }
+  for (const auto& [name, member, dimension] : estimate_fields) {
+    const std::string path = std::string("rows/") + name;
+    write_column(
+        out, path, rows, dimension, [=](const LocalRow& row) { return (row.*member).value; });
+    write_column(out, path + "_error", rows, dimension, [=](const LocalRow& row) {
+      return (row.*member).error;
+    });
+  }
+}
+
+/// The length of a list of which `path` is one column.
+std::size_t length_of(const Hdf5Reader& in, const std::string& path) {
+  const Shape shape = in.shape(path);
+  return in.numbers(path, {shape.empty() ? 0 : shape.front()}).size();
+}
+
+std::vector<LocalRow> read_rows(const Hdf5Reader& in) {
+  std::vector<LocalRow> rows(length_of(in, "rows/z"));
+  for (const auto& [name, member, dimension] : row_fields) {
+    read_column(in, std::string("rows/") + name, rows, [=](LocalRow& row) -> double& {
+      return row.*member;
+    });
+  }
+  for (const auto& [name, member, dimension] : estimate_fields) {
+    const std::string path = std::string("rows/") + name;
+    read_column(in, path, rows, [=](LocalRow& row) -> double& { return (row.*member).value; });
+    read_column(
+        in, path + "_error", rows, [=](LocalRow& row) -> double& { return (row.*member).error; });
+  }
+  return rows;
+}
+
+/// All moments of all frames, [frame][bin][moment]; frames with fewer bins are filled with zeros.
+void write_moments(Hdf5Writer& out, const std::vector<ProfileFrame>& frames) {
+  std::size_t bins = 0;
+  for (const ProfileFrame& frame : frames) bins = std::max(bins, frame.bins.size());
+  std::vector<double> values(frames.size() * bins * moments, 0.0);
+  for (std::size_t f = 0; f < frames.size(); ++f) {
+    auto to = values.begin() + static_cast<std::ptrdiff_t>(f * bins * moments);
+    for (const BinMoments& bin : frames[f].bins) {
+      to = std::ranges::copy(std::bit_cast<Moments>(bin), to).out;
+    }
+  }
+  out.dataset("frames/moments", values, {frames.size(), bins, moments});
+  out.attribute("frames/moments", "components", moment_names);
+  out.attribute("frames/moments", "unit", "per unit volume, in units of m, d, t");
+}
+
+void read_moments(const Hdf5Reader& in,
+                  const std::vector<std::int64_t>& bins_of,
+                  std::vector<ProfileFrame>& frames) {
+  const Shape shape = in.shape("frames/moments");
+  const std::size_t bins = shape.size() == 3 ? shape[1] : 0;
+  const std::vector<double> values = in.numbers("frames/moments", {frames.size(), bins, moments});
+  for (std::size_t f = 0; f < frames.size(); ++f) {
+    if (bins_of[f] < 0 || static_cast<std::size_t>(bins_of[f]) > bins) {
+      throw ReadError(fmt::format("frame {} claims {} of {} bins", f, bins_of[f], bins));
+    }
+    frames[f].bins.resize(static_cast<std::size_t>(bins_of[f]));
+    auto from = values.begin() + static_cast<std::ptrdiff_t>(f * bins * moments);
+    for (BinMoments& bin : frames[f].bins) {
+      Moments bin_values;
+      std::copy_n(from, moments, bin_values.begin());
+      bin = std::bit_cast<BinMoments>(bin_values);
+      from += moments;
+    }
+  }
+}
+
+void write_frames(Hdf5Writer& out, const ProfileFrames& frames) {
+  out.group("frames");
+  out.attribute("frames", "z_begin", frames.z_begin);
+  out.attribute("frames", "bin_width", frames.bin_width);
+  for (const auto& [name, member, dimension] : frame_fields) {
+    write_column(out,
+                 std::string("frames/") + name,
+                 frames.frames,
+                 dimension,
+                 [=](const ProfileFrame& frame) { return frame.*member; });
+  }
+  std::vector<std::int64_t> samples;
+  std::vector<std::int64_t> bins;
+  for (const ProfileFrame& frame : frames.frames) {
+    samples.push_back(frame.samples);
+    bins.push_back(static_cast<std::int64_t>(frame.bins.size()));
+  }
+  out.dataset("frames/samples", samples, {samples.size()});
+  out.dataset("frames/bins", bins, {bins.size()});
+  write_moments(out, frames.frames);
+}
+
+ProfileFrames read_frames(const Hdf5Reader& in) {
+  ProfileFrames frames;
+  frames.z_begin = in.number("frames", "z_begin");
+  frames.bin_width = in.number("frames", "bin_width");
+  std::vector<ProfileFrame>& list = frames.frames;
+  list.resize(length_of(in, "frames/begin"));
+  for (const auto& [name, member, dimension] : frame_fields) {
+    read_column(in, std::string("frames/") + name, list, [=](ProfileFrame& frame) -> double& {
+      return frame.*member;
+    });
+  }
+  const auto samples = in.integers("frames/samples", {list.size()});
+  for (std::size_t f = 0; f < list.size(); ++f) list[f].samples = static_cast<int>(samples[f]);
+  read_moments(in, in.integers("frames/bins", {list.size()}), list);
+  return frames;
+}
+
+void write_provenance(Hdf5Writer& out, const RunRecord& record) {
+  out.attribute("/", "program", "grainlaw");
+  out.attribute("/", "version", record.version);
+  out.attribute("/", "name", record.data.name);
+  out.attribute("/", "seed", std::bit_cast<std::int64_t>(record.seed));
+  out.attribute("/", "units", grain_units().symbols());
+  out.group("scene_units");  // one unit of this file in the units of the scene
+  out.attribute("scene_units", "set", record.units.name);
+  out.attribute("scene_units", "length", record.units.length);
+  out.attribute("scene_units", "mass", record.units.mass);
+  out.attribute("scene_units", "time", record.units.time);
+  out.dataset("scene", record.scene_text);
+}
+
+void read_provenance(const Hdf5Reader& in, RunRecord& record) {
+  record.version = in.text("/", "version");
+  record.data.name = in.text("/", "name");
+  record.seed = std::bit_cast<std::uint64_t>(in.integer("/", "seed"));
+  record.units = {in.text("scene_units", "set"),
+                  in.number("scene_units", "length"),
+                  in.number("scene_units", "mass"),
+                  in.number("scene_units", "time")};
+  record.scene_text = in.text("scene");
+}
+
+void write_data(Hdf5Writer& out, const LocalData& data) {
+  out.group("conditions");
+  write_fields(out, "conditions", data.conditions, condition_fields);
+  out.attribute("conditions", "base", data.conditions.base);
+  out.group("window");
+  write_fields(out, "window", data.window, window_fields);
+  out.attribute("window", "steady", std::int64_t{data.window.steady});
+  out.attribute("window", "reason", data.window.reason);
+  write_rows(out, data.rows);
+  write_frames(out, data.frames);
+  out.group("summary");
+  write_fields(out, "summary", data.summary, summary_fields);
+  out.attribute("summary", "steps", std::int64_t{data.summary.steps});
+  out.attribute("summary", "flowing_grains", std::int64_t{data.summary.flowing_grains});
+  out.attribute("summary", "base_grains", std::int64_t{data.summary.base_grains});
+}
+
+void read_data(const Hdf5Reader& in, LocalData& data) {
+  read_fields(in, "conditions", data.conditions, condition_fields);
+  data.conditions.base = in.text("conditions", "base");
+  read_fields(in, "window", data.window, window_fields);
+  data.window.steady = in.integer("window", "steady") != 0;
+  data.window.reason = in.text("window", "reason");
+  data.rows = read_rows(in);
+  data.frames = read_frames(in);
+  read_fields(in, "summary", data.summary, summary_fields);
+  data.summary.steps = static_cast<long>(in.integer("summary", "steps"));
+  data.summary.flowing_grains = static_cast<int>(in.integer("summary", "flowing_grains"));
+  data.summary.base_grains = static_cast<int>(in.integer("summary", "base_grains"));
+}
+
+void write_run(Hdf5Writer& out, const RunRecord& record) {
+  out.group("run");
+  write_fields(out, "run", record.data.summary, run_fields);
+  out.attribute("run", "host", record.host);
+  out.attribute("run", "date", record.date);
+  out.attribute("run", "cores", std::int64_t{record.cores});
+}
+
+void read_run(const Hdf5Reader& in, RunRecord& record) {
+  read_fields(in, "run", record.data.summary, run_fields);
+  record.host = in.text("run", "host");
+  record.date = in.text("run", "date");
+  record.cores = static_cast<int>(in.integer("run", "cores"));
+}
+
+std::string reproducible_part(const RunRecord& record) {
+  Hdf5Writer out;
+  write_provenance(out, record);
+  write_data(out, record.data);
+  return out.bytes();
+}
+
+std::string everything(const RunRecord& record) {
+  Hdf5Writer out;
+  write_provenance(out, record);
+  write_data(out, record.data);
+  write_run(out, record);
+  return out.bytes();
+}
+
+std::string host_name() {
+  std::array<char, 256> name{};
+  return ::gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "unknown";
+}
+
+}  // namespace
+
+void write_local_data(const LocalData& data,
+                      const SceneFile& scene,
+                      const std::filesystem::path& path) {
+  RunRecord record;
+  record.data = data;
+  record.scene_text = scene.text;
+  record.units = scene.units;
+  record.seed = scene.scene.seed;
+  record.version = GRAINLAW_VERSION;
+  record.host = host_name();
+  record.date = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
+  record.cores = static_cast<int>(std::thread::hardware_concurrency());
+  safe_write(path, seal(kind, format, everything(record)));
+}
+
+RunRecord read_run_record(const std::filesystem::path& path) {
+  const std::string bytes = read_file(path);
+  const Hdf5Reader in(unseal(kind, format, bytes, path), path.string());
+  RunRecord record;
+  read_provenance(in, record);
+  read_data(in, record.data);
+  read_run(in, record);
+  return record;
+}
+
+LocalData read_local_data(const std::filesystem::path& path) {
+  return read_run_record(path).data;
+}
+
+std::string digest(const std::filesystem::path& path) {
+  return fmt::format("{:016x}", checksum(reproducible_part(read_run_record(path))));
+}
+
+}  // namespace grainlaw::io

@@ -1,0 +1,116 @@
+#include "apps/io/profile_csv.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+namespace grainlaw::io {
+namespace {
+
+using continuum::Profile;
+using continuum::ProfileRow;
+
+/// One column of a profile.
+struct Column {
+  const char* name;
+  double ProfileRow::*member;
+  Dimension dimension;
+};
+constexpr Column columns[] = {
+    {"z", &ProfileRow::z, dimension::length},
+    {"mass_above", &ProfileRow::mass_above, dimension::mass_per_area},
+    {"velocity", &ProfileRow::velocity, dimension::velocity},
+    {"shear_rate", &ProfileRow::shear_rate, dimension::rate},
+    {"shear_stress", &ProfileRow::shear_stress, dimension::stress},
+    {"pressure", &ProfileRow::pressure, dimension::stress},
+    {"volume_fraction", &ProfileRow::volume_fraction, dimension::number},
+    {"inertial_number", &ProfileRow::inertial_number, dimension::number},
+    {"velocity_error", &ProfileRow::velocity_error, dimension::velocity},
+    {"volume_fraction_error", &ProfileRow::volume_fraction_error, dimension::number},
+};
+
+/// One number that holds for the whole profile.
+struct Total {
+  const char* name;
+  double Profile::*member;
+  Dimension dimension;
+};
+constexpr Total totals[] = {
+    {"height", &Profile::height, dimension::length},
+    {"surface_velocity", &Profile::surface_velocity, dimension::velocity},
+    {"flux", &Profile::flux, dimension::flux},
+    {"plug_mass", &Profile::plug_mass, dimension::mass_per_area},
+};
+
+std::string range_text(const continuum::RangeFlag& flag) {
+  return fmt::format(
+      "{} from {:.4g} to {:.4g} where the data end at {:.4g} and {:.4g}, {:.1f} % of "
+      "the mass outside",
+      flag.quantity,
+      flag.reached_lowest,
+      flag.reached_highest,
+      flag.lower,
+      flag.upper,
+      100.0 * flag.fraction_outside);
+}
+
+}  // namespace
+
+std::string profile_csv(const Profile& profile,
+                        const continuum::Answer& answer,
+                        const Units& units) {
+  std::string out = fmt::format(
+      "# {}: {}\n# units {}\n", continuum::name(answer.outcome), answer.text, units.symbols());
+  for (const auto& flag : answer.out_of_domain)
+    out += "# OUT_OF_DOMAIN: " + range_text(flag) + "\n";
+  for (const Total& total : totals) {
+    out += fmt::format("# {} = {} {}\n",
+                       total.name,
+                       profile.*total.member * units.size(total.dimension),
+                       units.symbol(total.dimension));
+  }
+  const char* separator = "";
+  for (const Column& column : columns) {
+    out += fmt::format("{}{} [{}]", separator, column.name, units.symbol(column.dimension));
+    separator = ",";
+  }
+  for (const ProfileRow& row : profile.rows) {
+    separator = "\n";
+    for (const Column& column : columns) {
+      out += fmt::format("{}{}", separator, row.*column.member * units.size(column.dimension));
+      separator = ",";
+    }
+  }
+  return out + "\n";
+}
+
+std::string profile_json(const Profile& profile,
+                         const continuum::Answer& answer,
+                         const Units& units) {
+  nlohmann::ordered_json out;
+  out["outcome"] = continuum::name(answer.outcome);
+  out["text"] = answer.text;
+  out["condition_number"] = answer.condition_number;
+  out["out_of_domain"] = nlohmann::ordered_json::array();
+  for (const auto& flag : answer.out_of_domain) {
+    out["out_of_domain"].push_back({{"quantity", flag.quantity},
+                                    {"data", {flag.lower, flag.upper}},
+                                    {"reached", {flag.reached_lowest, flag.reached_highest}},
+                                    {"fraction_outside", flag.fraction_outside}});
+  }
+  out["units"]["set"] = units.symbols();
+  for (const Total& total : totals) {
+    out[total.name] = profile.*total.member * units.size(total.dimension);
+    out["units"][total.name] = units.symbol(total.dimension);
+  }
+  for (const Column& column : columns) {
+    nlohmann::ordered_json& values = out["profile"][column.name] = nlohmann::ordered_json::array();
+    for (const ProfileRow& row : profile.rows) {
+      values.push_back(row.*column.member * units.size(column.dimension));
+    }
+    out["units"][column.name] = units.symbol(column.dimension);
+  }
+  return out.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace grainlaw::io

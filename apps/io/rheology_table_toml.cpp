@@ -1,0 +1,286 @@
+#include "apps/io/rheology_table_toml.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "apps/io/safe_write.h"
+
+namespace grainlaw::io {
+namespace {
+
+using namespace continuum;
+
+constexpr Bounds volume_fraction_bounds = between(0.0, 1.0);
+
+GeneralisedBagnold read_bagnold(Section& section) {
+  GeneralisedBagnold law;
+  law.a = section.read<double>({"a", "of gd^2", {"mass/length"}, not_negative});
+  law.b = section.read<double>({"b", "of gd", {"mass/(length time)"}, not_negative});
+  law.tau_c = section.read_or<double>(
+      {"tau_c", "yield stress", {"mass/(length time^2)"}, not_negative}, 0.0);
+  law.volume_fraction = section.read<double>(
+      {"volume_fraction", "phi of the flowing bulk", {}, volume_fraction_bounds});
+  const auto in_degrees = section.find<double>(
+      {"inclination", "tilt at which a and b were measured", {"degrees"}, from_to(0.0, 90.0)});
+  const auto in_radians =
+      section.find<double>({"inclination_radians",
+                            "same, for a tilt no number of degrees gives exactly",
+                            {"rad"},
+                            from_to(0.0, 1.58)});
+  section.exactly_one_of({"inclination", "inclination_radians"});
+  law.inclination = in_radians.value_or(radians(in_degrees.value_or(0.0)));
+  return law;
+}
+
+/// beta and kappa, or mu_inf and I_mu in their place: beta = (mu_inf - mu0)/I_mu, kappa = 1/I_mu.
+InertialFriction read_friction(InputFile& in) {
+  Section section = in.section("law.friction", "mu(I) = mu0 + beta I/(1 + kappa I)");
+  InertialFriction law;
+  law.mu0 = section.read<double>({"mu0", "static friction", {}, not_negative});
+  const auto beta = section.find<double>({"beta", "slope at I = 0", {}, not_negative});
+  const auto mu_inf = section.find<double>({"mu_inf", "friction at large I", {}, not_negative});
+  section.exactly_one_of({"beta", "mu_inf"});
+  const auto kappa = section.find<double>({"kappa", "curvature", {}, not_negative});
+  const auto I_mu = section.find<double>(
+      {"I_mu", "I of half the rise to mu_inf (Shi et al. 2020, eq. 1A)", {}, positive});
+  section.exactly_one_of({"kappa", "I_mu"});
+  if (beta.has_value() != kappa.has_value() && mu_inf.has_value() != I_mu.has_value()) {
+    section.problem("", "give beta with kappa, or mu_inf with I_mu");
+  }
+  if (!mu_inf || !I_mu) return {law.mu0, beta.value_or(0.0), kappa.value_or(0.0)};
+  if (*mu_inf < law.mu0) {
+    section.problem(
+        "mu_inf",
+        fmt::format("mu_inf = {} is below mu0 = {}: friction would fall with I", *mu_inf, law.mu0));
+  }
+  return {law.mu0, (*mu_inf - law.mu0) / *I_mu, 1.0 / *I_mu};
+}
+
+void read_friction_terms(InputFile& in, MuPhi& law) {
+  Section softness =
+      in.optional_section("law.softness_friction", "f_p = 1 - sqrt((1 + Bo) p*/p_mu)");
+  if (softness.given()) {
+    law.softness_friction = {
+        softness.read<double>({"p_mu", "(Shi et al. 2020, table 6)", {}, positive})};
+  }
+  Section cohesion = in.optional_section("law.cohesion_friction", "f_B = 1 + alpha Bo^beta");
+  if (cohesion.given()) {
+    law.cohesion_friction = {
+        cohesion.read<double>({"alpha", "(Shi et al. 2020, table 6)", {}, not_negative}),
+        cohesion.read<double>({"beta", "exponent", {}, positive})};
+  }
+}
+
+InertialVolumeFraction read_volume_fraction(InputFile& in) {
+  Section section = in.section("law.volume_fraction", "phi(I) = phi0 (1 - I/I_phi)");
+  return {
+      section.read<double>({"phi0", "at I = 0, p* = 0", {}, volume_fraction_bounds}),
+      section.read<double>({"I_phi", "inf: phi does not depend on I", {}, positive_or_infinite})};
+}
+
+void read_volume_fraction_terms(InputFile& in, MuPhi& law) {
+  Section softness =
+      in.optional_section("law.softness_volume_fraction", "g_p = 1 + (1 + Bo) p*/p_phi");
+  if (softness.given()) {
+    law.softness_volume_fraction = {
+        softness.read<double>({"p_phi", "(Shi et al. 2020, eq. 14)", {}, positive})};
+  }
+  Section cohesion = in.optional_section("law.cohesion_volume_fraction",
+                                         "g_c = 1 + p1 Bo + p2 Bo^2 + p3 Bo^3 + p4 Bo^4");
+  if (cohesion.given()) {
+    law.cohesion_volume_fraction = {cohesion.read<double>({"p1", "(Shi et al. 2020, eq. 15)"}),
+                                    cohesion.read<double>({"p2", "likewise"}),
+                                    cohesion.read<double>({"p3", "likewise"}),
+                                    cohesion.read<double>({"p4", "likewise"})};
+  }
+}
+
+MuPhi read_mu_phi(InputFile& in) {
+  MuPhi law;
+  law.friction = read_friction(in);
+  read_friction_terms(in, law);
+  law.volume_fraction = read_volume_fraction(in);
+  read_volume_fraction_terms(in, law);
+  return law;
+}
+
+void read_law(InputFile& in, RheologyTable& table) {
+  Section section = in.section("law", "The constitutive law");
+  const std::string closure =
+      section.choice({"closure",
+                      "\"bagnold\": tau = tau_c + a gd^2 + b gd at one tilt; \"mu_phi\": "
+                      "mu(I, p*, Bo) and phi(I, p*, Bo)"},
+                     {"bagnold", "mu_phi"});
+  if (section.applies(closure == "bagnold")) table.law = read_bagnold(section);
+  if (section.applies(closure == "mu_phi")) table.law = read_mu_phi(in);
+}
+
+void read_base(InputFile& in, RheologyTable& table) {
+  Section section = in.optional_section(
+      "base", "Effective no-slip height of a bumpy base; without it u = 0 at z = 0");
+  if (!section.given()) return;
+  table.base = EffectiveBase{
+      section.read<double>(
+          {"no_slip_height", "height at which u = 0", {"grain diameter"}, not_negative}),
+      section.read<double>(
+          {"mass_below", "flowing mass per area below it", {"density x diameter"}, not_negative}),
+      section.read_or<std::string>({"recipe", "base it was measured on"}, "", "not stated")};
+}
+
+/// The first thing wrong with a covariance, and the key it is wrong with; empty: nothing.
+std::pair<std::string, std::string> covariance_problem(const RheologyTable& table,
+                                                       const std::vector<std::string>& names,
+                                                       const NumberRows& rows) {
+  const std::vector<std::string> known = coefficient_names(table);
+  for (const std::string& name : names) {
+    if (std::ranges::count(known, name) > 0) continue;
+    return {
+        "names",
+        fmt::format("'{}' is no coefficient of this table; it has {}", name, joined(known, ", "))};
+  }
+  const std::size_t n = names.size();
+  if (rows.size() != n) {
+    return {
+        "matrix",
+        fmt::format("{} names need {} rows, not {}: the matrix is not square", n, n, rows.size())};
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    if (rows[i].size() != n) {
+      return {
+          "matrix",
+          fmt::format(
+              "row {} has {} numbers, not {}: the matrix is not square", i + 1, rows[i].size(), n)};
+    }
+    if (rows[i][i] < 0.0) {
+      return {"matrix", fmt::format("the variance of {} is negative: {}", names[i], rows[i][i])};
+    }
+  }
+  return {};
+}
+
+void read_covariance(InputFile& in, RheologyTable& table) {
+  Section section = in.optional_section(
+      "covariance", "Errors of the coefficients; without it a prediction has no band");
+  if (!section.given()) return;
+  Covariance covariance;
+  covariance.names =
+      section.read<std::vector<std::string>>({"names", "coefficients, in this order"});
+  const auto rows = section.read<NumberRows>({"matrix", "covariance, symmetric"});
+  for (const auto& row : rows)
+    covariance.matrix.insert(covariance.matrix.end(), row.begin(), row.end());
+  const auto [key, text] = covariance_problem(table, covariance.names, rows);
+  if (!text.empty() && section.has("names") && section.has("matrix")) section.problem(key, text);
+  table.covariance = std::move(covariance);
+}
+
+void read_range(InputFile& in, ValidRange& range) {
+  Section section =
+      in.optional_section("range", "Where the data lie; a range left out was not explored");
+  const auto read = [&](std::string_view key, std::string_view meaning, std::optional<Range>& to) {
+    const auto limits =
+        section.find<std::vector<double>>({key, meaning, {}, from_to(0.0, INFINITY)});
+    if (!limits) return;
+    if (limits->size() == 2 && limits->front() <= limits->back()) {
+      to = Range{limits->front(), limits->back()};
+    } else {
+      section.problem(key, fmt::format("'{}' must be [lowest, highest]", key));
+    }
+  };
+  read("inertial_number", "I", range.inertial_number);
+  read("softness", "p*", range.softness);
+  read("bond_number", "Bo", range.bond_number);
+}
+
+void read_words(InputFile& in, RheologyTable& table) {
+  Section definitions = in.optional_section("definitions", "Meaning of the numbers, in words");
+  Definitions& d = table.definitions;
+  d.inertial_number = definitions.read_or<std::string>({"inertial_number", "I"}, d.inertial_number);
+  d.pressure = definitions.read_or<std::string>({"pressure", "p"}, d.pressure);
+  d.bond_number =
+      definitions.read_or<std::string>({"bond_number", "Bo"}, d.bond_number, "no cohesion");
+  d.stress = definitions.read_or<std::string>({"stress", "parts of the stress"}, d.stress);
+  Section provenance = in.optional_section("provenance", "Where the table comes from");
+  using Texts = std::vector<std::string>;
+  Provenance& p = table.provenance;
+  p.source =
+      provenance.read_or<std::string>({"source", "paper and table, or program"}, "", "not stated");
+  p.data = provenance.find<Texts>({"data", "runs it was fitted to"}).value_or(Texts{});
+  p.checked_against =
+      provenance.find<Texts>({"checked_against", "runs it was not fitted to"}).value_or(Texts{});
+}
+
+/// Every key of a table file, in the order of the key list.
+RheologyTable read_keys(InputFile& in) {
+  RheologyTable table;
+  Section top = in.top();
+  table.units = top.choice({"units", "set of a, b and tau_c; all else is dimensionless"},
+                           {"grain", "stiffness", "si"},
+                           "grain");
+  table.contact_friction =
+      top.read_or<double>({"contact_friction", "mu_p of the grains", {}, not_negative}, 0.0);
+  read_law(in, table);
+  read_base(in, table);
+  read_covariance(in, table);
+  read_range(in, table.range);
+  read_words(in, table);
+  return table;
+}
+
+RheologyTable read(InputFile in) {
+  RheologyTable table = read_keys(in);
+  in.finish();
+  try {
+    validate(table);
+  } catch (const TableError& error) {
+    const std::string_view text = error.what();
+    const bool covariance = text.find("covariance") != std::string_view::npos;
+    throw InputError(
+        in.message(covariance ? "covariance" : "law", covariance ? "matrix" : "", text));
+  }
+  return table;
+}
+
+}  // namespace
+
+RheologyTable read_table(const std::filesystem::path& path) {
+  return read(InputFile::open(path));
+}
+
+RheologyTable parse_table(const std::string& text, const std::filesystem::path& path) {
+  return read(InputFile::from_text(text, path));
+}
+
+void write_table(const RheologyTable& table, const std::filesystem::path& path) {
+  validate(table);
+  const std::string text = to_toml(table);
+  parse_table(text, path);  // what cannot be read back is not written
+  safe_write(path, text);
+}
+
+RheologyTable in_grain_units(const RheologyTable& table, const Units& units) {
+  RheologyTable result = table;
+  auto* law = std::get_if<GeneralisedBagnold>(&result.law);
+  if (law == nullptr || table.units == "grain") return result;
+  if (table.units != units.name) {
+    throw InputError(
+        fmt::format("a, b and tau_c of the table are in units = \"{}\", the case is in "
+                    "units = \"{}\": give both in the same set, or the table in \"grain\"",
+                    table.units,
+                    units.name));
+  }
+  law->a /= units.size(dimension::bagnold_a);
+  law->b /= units.size(dimension::bagnold_b);
+  law->tau_c /= units.size(dimension::stress);
+  result.units = "grain";
+  return result;
+}
+
+std::string table_keys() {
+  InputFile in = InputFile::listing();
+  read_keys(in);
+  return in.key_list();
+}
+
+}  // namespace grainlaw::io
