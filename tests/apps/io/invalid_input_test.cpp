@@ -1,0 +1,127 @@
+// Every file of data/invalid is refused with the message its first line expects.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <random>
+
+#include "apps/io/campaign_input.h"
+#include "apps/io/case_input.h"
+#include "apps/io/rheology_table_toml.h"
+#include "apps/io/safe_write.h"
+#include "tests/apps/io/temporary_directory.h"
+
+namespace grainlaw::io {
+namespace {
+
+const std::filesystem::path data = GRAINLAW_DATA;
+
+/// The first word of the name of a file says what it is.
+void read_anything(const std::filesystem::path& path) {
+  const std::string name = path.filename().string();
+  if (name.starts_with("scene")) read_scene(path);
+  if (name.starts_with("campaign")) read_campaign(path);
+  if (name.starts_with("case")) read_case(path);
+  if (name.starts_with("table")) read_table(path);
+}
+
+std::string message_of(const std::filesystem::path& path) {
+  try {
+    read_anything(path);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "no InputError";
+}
+
+std::string expectation(const std::filesystem::path& path) {
+  const std::string text = read_file(path);
+  const std::string mark = "# expect: ";
+  if (text.empty()) return "missing key 'units' at the top level";
+  return text.substr(mark.size(), text.find('\n') - mark.size());
+}
+
+TEST(InvalidInput, EveryFileIsRefusedWithTheMessageItExpects) {
+  int files = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(data / "invalid")) {
+    const std::string message = message_of(entry.path());
+    EXPECT_NE(message.find(expectation(entry.path())), std::string::npos) << entry.path() << ":\n"
+                                                                          << message;
+    ++files;
+  }
+  EXPECT_GE(files, 50);
+}
+
+TEST(InvalidInput, EveryMessageNamesFileLineAndColumn) {
+  for (const auto& entry : std::filesystem::directory_iterator(data / "invalid")) {
+    const std::string message = message_of(entry.path());
+    EXPECT_TRUE(message.starts_with(data.string() + "/invalid/")) << message;
+    const std::size_t colon = message.find(".toml:") + 6;
+    int line = 0;
+    int column = 0;
+    EXPECT_EQ(std::sscanf(message.c_str() + colon, "%d:%d: error: ", &line, &column), 2) << message;
+    EXPECT_GE(line, 1);
+    EXPECT_GE(column, 1);
+  }
+}
+
+TEST(InvalidInput, MessagesHoldNoBytesThatATerminalWouldObey) {
+  for (const auto& entry : std::filesystem::directory_iterator(data / "invalid")) {
+    for (const char c : message_of(entry.path())) {
+      EXPECT_TRUE(static_cast<unsigned char>(c) >= 0x20 || c == '\n') << entry.path();
+    }
+  }
+}
+
+TEST(InvalidInput, AMissingTableNamesThePathAndTheSystemError) {
+  try {
+    read_table("no/such/table.toml");
+    FAIL();
+  } catch (const ReadError& error) {
+    EXPECT_STREQ(error.what(), "cannot read no/such/table.toml: No such file or directory");
+  }
+}
+
+TEST(InvalidInput, ADirectoryIsNoInputFile) {
+  EXPECT_THROW(read_scene(data), ReadError);
+}
+
+/// A valid file with a few bytes replaced, removed or doubled.
+std::string mutated(std::string text, std::mt19937_64& random) {
+  const auto pick = [&](std::size_t n) { return static_cast<std::size_t>(random() % n); };
+  const std::size_t changes = 1 + pick(4);
+  for (std::size_t k = 0; k < changes && !text.empty(); ++k) {
+    const std::size_t at = pick(text.size());
+    const std::string snippets = "[]{}=.,\"'\n#-+e0_\\\xff\x01";
+    if (pick(3) == 0) text.erase(at, 1 + pick(20));
+    if (text.empty() || at >= text.size()) continue;
+    if (pick(2) == 0) text[at] = snippets[pick(snippets.size())];
+    if (pick(3) == 0) text.insert(at, text.substr(pick(text.size()), 1 + pick(20)));
+  }
+  return text;
+}
+
+TEST(InvalidInput, MutilatedFilesAreReadOrRefusedButNeverCrash) {
+  const TemporaryDirectory directory;
+  std::mt19937_64 random(7);
+  const std::vector<std::pair<std::string, std::string>> originals{
+      {"scene.toml", read_file(data / "scenes/chute.toml")},
+      {"case.toml", read_file(data / "cases/glass_beads_si.toml")},
+      {"table.toml", read_file(data / "tables/shi2020_mu_p_0.50.toml")}};
+  int refused = 0;
+  for (int trial = 0; trial < 1500; ++trial) {
+    const auto& [name, text] = originals[static_cast<std::size_t>(trial) % originals.size()];
+    const std::filesystem::path path = directory.write(name, mutated(text, random));
+    try {
+      read_anything(path);
+    } catch (const InputError&) {
+      ++refused;
+    } catch (const dem::StepRefused&) {
+      ++refused;
+    }
+  }
+  EXPECT_GT(refused, 100);
+}
+
+}  // namespace
+}  // namespace grainlaw::io

@@ -1,0 +1,197 @@
+#include "apps/io/scene_input.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "apps/io/campaign_input.h"
+#include "apps/io/case_input.h"
+
+namespace grainlaw::io {
+namespace {
+
+const std::filesystem::path data = GRAINLAW_DATA;
+
+constexpr double bits = 4.0 * 2.220446049250313e-16;  // a handful of roundings
+
+std::string scene_text(const std::string& damping = "restitution = 0.88",
+                       const std::string& more = "") {
+  return "units = \"grain\"\n[contact.normal]\nlaw = \"hooke\"\nstiffness = 2e5\n" + damping +
+         "\n[geometry]\nkind = \"chute\"\ninclination = 23.0\ngrains = 100\n" + more;
+}
+
+dem::Scene scene_of(const std::string& text) {
+  return parse_scene(text, "scene.toml").scene;
+}
+
+const dem::Hooke& normal_of(const dem::Scene& scene) {
+  return std::get<dem::Hooke>(scene.normal);
+}
+
+TEST(SceneInput, ChuteExampleIsReadKeyByKey) {
+  const SceneFile file = read_scene(data / "scenes/chute.toml");
+  EXPECT_EQ(file.scene.name, "chute");
+  EXPECT_EQ(file.units.name, "grain");
+  EXPECT_EQ(normal_of(file.scene).stiffness, 2e4);
+  EXPECT_EQ(std::get<dem::Sliding>(file.scene.friction).coefficient, 0.5);
+  EXPECT_EQ(std::get<dem::Sliding>(file.scene.friction).stiffness, 2.0 / 7.0 * 2e4);
+  EXPECT_EQ(file.scene.geometry.inclination, 23.0 * std::numbers::pi / 180.0);
+  EXPECT_EQ(file.scene.geometry.grains, 836);  // 12 x 8 x 8 x 0.57 x 6/pi = 836.07
+  EXPECT_EQ(file.scene.measurement.averaging_time, 200.0);
+}
+
+TEST(SceneInput, RestitutionGivesTheDampingRateOfBrewster) {
+  // Brewster et al. (2008), eqs. 7 and 8 inverted: 51.4275 for 0.88 at k_n = 2e5.
+  EXPECT_NEAR(normal_of(scene_of(scene_text())).damping, 51.4275, 5e-5);
+}
+
+TEST(SceneInput, RestitutionOneIsWithoutDamping) {
+  EXPECT_EQ(normal_of(scene_of(scene_text("restitution = 1.0"))).damping, 0.0);
+}
+
+TEST(SceneInput, DashpotActsOnTheVelocityAndRateOnTheReducedMass) {
+  EXPECT_EQ(normal_of(scene_of(scene_text("damping_rate = 50.0"))).damping, 50.0);
+  // f = dashpot v = rate (m/2) v.
+  EXPECT_EQ(normal_of(scene_of(scene_text("dashpot = 25.0"))).damping, 50.0);
+}
+
+TEST(SceneInput, AMissingSectionIsAMissingMechanism) {
+  EXPECT_TRUE(std::holds_alternative<dem::Frictionless>(scene_of(scene_text()).friction));
+}
+
+TEST(SceneInput, TheSameSceneInSiIsTheSameScene) {
+  // 1 mm grains of 2500 kg/m3: m = 1.309e-6 kg, sqrt(d/g) = 1.0096e-2 s, m g/d = 1.2842e-2 N/m.
+  const double d = 1e-3;
+  const double m = 2500.0 * std::numbers::pi / 6.0 * d * d * d;
+  const double time = std::sqrt(d / 9.81);
+  char text[600];
+  std::snprintf(text,
+                sizeof text,
+                "units = \"si\"\n[grains]\ndiameter = 1e-3\ndensity = 2500.0\n"
+                "[contact.normal]\nlaw = \"hooke\"\nstiffness = %.17g\nrestitution = 0.88\n"
+                "[geometry]\nkind = \"chute\"\ninclination = 23.0\ngrains = 100\n"
+                "gravity = 9.81\nlength = 8e-3\nwidth = 8e-3\n[time]\nstep = %.17g\n",
+                2e5 * m / (time * time),
+                1e-4 * time);
+  const SceneFile si = parse_scene(text, "si.toml");
+  const dem::Scene grain = scene_of(scene_text("restitution = 0.88", "[time]\nstep = 1e-4\n"));
+  EXPECT_NEAR(normal_of(si.scene).stiffness, 2e5, 2e5 * bits);
+  EXPECT_NEAR(normal_of(si.scene).damping, normal_of(grain).damping, 52.0 * bits);
+  EXPECT_NEAR(si.scene.time_step, 1e-4, 1e-4 * bits);
+  EXPECT_NEAR(si.scene.geometry.length, 8.0, 8.0 * bits);
+  EXPECT_EQ(si.scene.geometry.gravity, 1.0);
+  EXPECT_EQ(si.scene.grains.mass, 1.0);
+}
+
+TEST(SceneInput, StiffnessUnitsHaveContactStiffnessOne) {
+  const SceneFile file = parse_scene(
+      "units = \"stiffness\"\n[contact.normal]\nlaw = \"hooke\"\nrestitution = 0.88\n"
+      "[geometry]\nkind = \"chute\"\ninclination = 23.0\ngrains = 100\ngravity = 1e-5\n",
+      "s.toml");
+  // k_n d/(m g) with k_n = d = rho_p = 1, m = pi/6, g = 1e-5.
+  const double stiffness = 6.0 / std::numbers::pi / 1e-5;
+  EXPECT_NEAR(normal_of(file.scene).stiffness, stiffness, stiffness * bits);
+}
+
+TEST(SceneInput, AnUnstableStepIsRefusedAndNotAnInputError) {
+  const std::string text = scene_text("restitution = 0.88", "[time]\nstep = 1e-2\n");
+  try {
+    parse_scene(text, "scene.toml");
+    FAIL();
+  } catch (const dem::StepRefused& error) {
+    EXPECT_TRUE(std::string(error.what()).starts_with("scene.toml:11:1: error: ")) << error.what();
+  }
+  EXPECT_NO_THROW(parse_scene(text, "scene.toml", {.allow_unstable_step = true}));
+}
+
+TEST(SceneInput, MisspeltKeyNamesTheNearestOneAndPointsAtIt) {
+  try {
+    parse_scene(
+        "units = \"grain\"\n[contact.normal]\nlaw = \"hooke\"\n  stifness = 2e5\n"
+        "restitution = 0.88\n[geometry]\nkind = \"chute\"\ninclination = 23.0\ngrains = 9\n",
+        "chute.toml");
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_STREQ(
+        error.what(),
+        "chute.toml:4:3: error: unknown key 'stifness' in [contact.normal]; did you mean "
+        "'stiffness'?\n"
+        "    4 |   stifness = 2e5\n"
+        "      |   ^^^^^^^^  known here: law, stiffness, damping_rate, dashpot, restitution");
+  }
+}
+
+TEST(SceneInput, AllProblemsAreReportedAtOnce) {
+  try {
+    scene_of("units = \"grain\"\n[geometry]\nkind = \"box\"\ninclination = 91.0\ngrians = 9\n");
+    FAIL();
+  } catch (const InputError& error) {
+    const std::string text = error.what();
+    for (const char* part : {"[contact.normal]", "unknown kind", "inclination = 91", "'grians'"}) {
+      EXPECT_NE(text.find(part), std::string::npos) << part << " in\n" << text;
+    }
+  }
+}
+
+TEST(SceneInput, KeyListNamesEveryKeyWithUnitRangeAndDefault) {
+  const std::string keys = scene_keys();
+  for (const char* line :
+       {"| `stiffness` | number | mass/time^2 | 0 < x | required, unless",
+        "| `restitution` | number | 1 | 0 < x <= 1 | exactly one of damping_rate, dashpot, "
+        "restitution |",
+        "| `inclination` | number | degrees | -90 < x < 90 | required |",
+        "| `averaging_time` | number | time | 0 < x | 200 sqrt(d/g) |",
+        "| `seed` | integer | 1 | 0 <= x | 1 |",
+        "#### `[contact.friction]`"}) {
+    EXPECT_NE(keys.find(line), std::string::npos) << line << " in\n" << keys;
+  }
+  EXPECT_NE(campaign_keys().find("| `calibrate` | list of numbers | degrees |"), std::string::npos);
+  EXPECT_NE(case_keys().find("| `depth` | number | length |"), std::string::npos);
+}
+
+TEST(CampaignInput, QuickstartHasThreeTiltsToFitAndTwoToPredict) {
+  const Campaign campaign = read_campaign(data / "campaigns/quickstart/campaign.toml");
+  ASSERT_EQ(campaign.calibrate_tilts.size(), 3u);
+  ASSERT_EQ(campaign.predict_tilts.size(), 2u);
+  EXPECT_EQ(campaign.calibrate_tilts[1], radians(24.2));
+  const SceneFile run = scene_at(campaign, campaign.predict_tilts[0]);
+  EXPECT_EQ(run.scene.name, "theta24.8");
+  EXPECT_EQ(run.scene.geometry.inclination, radians(24.8));
+  EXPECT_EQ(run.scene.geometry.grains, 836);
+}
+
+TEST(CaseInput, GrainCaseIsReadInInternalUnits) {
+  const CaseFile file = read_case(data / "cases/chute.toml");
+  EXPECT_EQ(file.question, Question::steady);
+  EXPECT_EQ(file.chute.mass_per_area, 30.0);
+  EXPECT_EQ(file.chute.gravity, 1.0);
+  EXPECT_EQ(file.chute.grains.density, 6.0 / std::numbers::pi);
+  EXPECT_EQ(file.chute.grains.stiffness, 2e4);
+  EXPECT_FALSE(file.chute.grains.adhesion);
+  EXPECT_FALSE(file.depth);
+}
+
+TEST(CaseInput, SiCaseKeepsItsDimensionlessNumbers) {
+  const CaseFile file = read_case(data / "cases/glass_beads_si.toml");
+  const double d = 2e-3;
+  EXPECT_EQ(file.question, Question::start);
+  // M0/(rho_p d), the depth of solid in diameters, is the same in both sets.
+  const double solid = 72.5 / (2500.0 * d);
+  EXPECT_NEAR(file.chute.mass_per_area / file.chute.grains.density, solid, solid * 2.0 * bits);
+  // 1 s is sqrt(g/d) of the internal unit of time.
+  ASSERT_EQ(file.transient.output_times.size(), 3u);
+  EXPECT_NEAR(file.transient.output_times[1], std::sqrt(9.81 / d), 70.0 * bits);
+  EXPECT_FALSE(file.chute.grains.stiffness);
+}
+
+TEST(CaseInput, ADepthIsKeptForWhoKnowsTheDensityOfTheFlow) {
+  const CaseFile file =
+      parse_case("units = \"grain\"\n[chute]\ninclination = 24\ndepth = 20\n", "c");
+  EXPECT_EQ(file.depth, 20.0);
+  EXPECT_EQ(file.chute.mass_per_area, 0.0);
+  EXPECT_EQ(file.question, Question::steady);
+}
+
+}  // namespace
+}  // namespace grainlaw::io
