@@ -33,8 +33,8 @@ struct RangeFlag {
 
 struct Answer {
   Outcome outcome = Outcome::not_converged;
-  std::string text;  ///< one sentence for a person, with the numbers that decide
-  std::vector<RangeFlag> out_of_domain;
+  std::string text{};  ///< one sentence for a person, with the numbers that decide
+  std::vector<RangeFlag> out_of_domain{};
   /// d ln I / d ln mu at the base: by how many percent the shear rate is off when the friction is
   /// off by one, tan(theta) / (tan(theta) - mu0) for a linear mu(I); 0 where it has no meaning.
   double condition_number = 0.0;

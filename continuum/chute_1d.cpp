@@ -187,7 +187,9 @@ void Start::flow() {
                    rest,
                    {.relative_tolerance = options.relative_tolerance,
                     .absolute_tolerance = options.absolute_tolerance,
-                    .end_time = time_limit()});
+                    .end_time = time_limit(),
+                    // above the largest friction I -> I_phi is part of accelerating for ever
+                    .stop_at_event = verdict.outcome != Outcome::no_steady});
   const End end = integrate(solver);
   const auto q = solver.state();
   const Profile last = profile(q);

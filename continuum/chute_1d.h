@@ -16,7 +16,7 @@ struct ChuteCase {
   double inclination = 0.0;    ///< theta [rad]
   double gravity = 1.0;        ///< g [length/time^2]
   double mass_per_area = 0.0;  ///< M0, all flowing mass above the base [mass/length^2]
-  GrainProperties grains;
+  GrainProperties grains{};
 };
 
 struct SteadyOptions {
@@ -55,8 +55,8 @@ struct TransientOptions {
   /// Steady when max |du/dt| <= this times g sin(theta), not before the settling time: relaxation
   /// time times ln(1 / steady_residual).
   double steady_residual = 1e-8;
-  std::vector<double> output_times;  ///< snapshots wanted [time]
-  bool stop_when_steady = true;      ///< once all snapshots are taken; false: run to time_limit
+  std::vector<double> output_times{};  ///< snapshots wanted [time]
+  bool stop_when_steady = true;        ///< once all snapshots are taken; false: run to time_limit
 };
 
 struct Snapshot {

@@ -47,7 +47,7 @@ Layer make_layer(const RheologyTable& table, const ChuteCase& chute);
 /// part lies below one plug edge, as no law lets the yield friction tau_y / p rise with depth.
 struct Verdict {
   Outcome outcome = Outcome::steady;
-  std::string text;
+  std::string text{};
   double plug_mass = 0.0;
   double condition_number = 0.0;
 };

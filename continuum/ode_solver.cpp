@@ -128,7 +128,7 @@ struct OdeSolver::Implementation {
     // Newton ten times tighter than usual: its noise otherwise costs twice the steps at a yield
     // stress, and hides the approach to a steady state.
     check(CVodeSetNonlinConvCoef(memory, 0.01), "CVodeSetNonlinConvCoef");
-    check(CVodeRootInit(memory, 1, event), "CVodeRootInit");
+    if (options.stop_at_event) check(CVodeRootInit(memory, 1, event), "CVodeRootInit");
     check(CVodeSetStopTime(memory, options.end_time), "CVodeSetStopTime");
   }
 
@@ -143,25 +143,26 @@ struct OdeSolver::Implementation {
     const std::unique_ptr<char, decltype(&std::free)> flag_name(CVodeGetReturnFlagName(flag),
                                                                 &std::free);
     throw SolverError(
-        fmt::format("the time integration stopped at t = {:.6g} with {}: {}; largest "
-                    "local error in {}",
+        fmt::format("the time integration stopped at t = {:.6g} with {}: {}; fastest "
+                    "change in {}",
                     time,
                     flag_name.get(),
                     callback.message,
-                    callback.system.component_name(worst_component())));
+                    callback.system.component_name(fastest_component())));
   }
 
-  /// Index of the unknown with the largest estimated local error in units of its tolerance.
-  std::size_t worst_component() {
+  /// Index of the unknown that changes fastest in units of its tolerance.
+  std::size_t fastest_component() {
     const Vector weights(N_VClone(state.get()));
-    if (CVodeGetEstLocalErrors(cvode.get(), scratch.get()) < 0) return 0;
     if (CVodeGetErrWeights(cvode.get(), weights.get()) < 0) return 0;
-    const auto error = values(scratch.get());
+    const auto change = values(scratch.get());
+    callback.system.rate(time, values(state.get()), change);
     const auto weight = values(weights.get());
-    std::size_t worst = 0;
-    for (std::size_t i = 1; i < error.size(); ++i)
-      if (std::abs(error[i] * weight[i]) > std::abs(error[worst] * weight[worst])) worst = i;
-    return worst;
+    std::size_t fastest = 0;
+    for (std::size_t i = 1; i < change.size(); ++i)
+      if (std::abs(change[i] * weight[i]) > std::abs(change[fastest] * weight[fastest]))
+        fastest = i;
+    return fastest;
   }
 
   Callback callback;  // its address is known to CVODE: this struct never moves

@@ -41,6 +41,7 @@ struct OdeOptions {
   double relative_tolerance = 1e-6;
   double absolute_tolerance = 1e-10;
   double end_time = 0.0;  ///< no step goes beyond
+  bool stop_at_event = true;
 };
 
 /// Stiff integrator: CVODE with BDF, Newton and a direct solve of the band matrix. The system must

@@ -7,10 +7,10 @@ namespace grainlaw::continuum {
 
 /// Grains as the continuum sees them; one consistent set of units.
 struct GrainProperties {
-  double diameter = 1.0;            ///< d [length]
-  double density = 1.0;             ///< rho_p [mass/length^3]
-  std::optional<double> stiffness;  ///< k_n [mass/time^2]; absent: rigid grains
-  std::optional<double> adhesion;   ///< largest pull f_a [force]; absent: cohesionless
+  double diameter = 1.0;              ///< d [length]
+  double density = 1.0;               ///< rho_p [mass/length^3]
+  std::optional<double> stiffness{};  ///< k_n [mass/time^2]; absent: rigid grains
+  std::optional<double> adhesion{};   ///< largest pull f_a [force]; absent: cohesionless
 };
 
 /// |tau| - tau_c = a gd^2 + b |gd|  (Brewster et al. 2008, eq. 1). Valid at its own tilt only:
@@ -65,12 +65,12 @@ struct CohesionVolumeFraction {
 /// mu(I, p*, Bo) and phi(I, p*, Bo) (Shi et al. 2020, eqs. 16 and 1A). A term that the table does
 /// not have is absent, not zero.
 struct MuPhi {
-  InertialFriction friction;
-  std::optional<SoftnessFriction> softness_friction;
-  std::optional<CohesionFriction> cohesion_friction;
-  InertialVolumeFraction volume_fraction;
-  std::optional<SoftnessVolumeFraction> softness_volume_fraction;
-  std::optional<CohesionVolumeFraction> cohesion_volume_fraction;
+  InertialFriction friction{};
+  std::optional<SoftnessFriction> softness_friction{};
+  std::optional<CohesionFriction> cohesion_friction{};
+  InertialVolumeFraction volume_fraction{};
+  std::optional<SoftnessVolumeFraction> softness_volume_fraction{};
+  std::optional<CohesionVolumeFraction> cohesion_volume_fraction{};
 };
 
 /// Beyond this Bond number the cohesion terms are extrapolated with a guard: the quartic of

@@ -57,9 +57,9 @@ template <class Table>
 auto& find_coefficient(Table& table, const std::string& name) {
   for (const auto& entry : coefficients(table))
     if (entry.name == name) return *entry.value;
-  throw TableError(fmt::format("'{}' is no coefficient of this table; it has {}",
-                               name,
-                               fmt::join(coefficient_names(table), ", ")));
+  std::string known;
+  for (const auto& existing : coefficient_names(table)) known += " " + existing;
+  throw TableError(fmt::format("'{}' is no coefficient of this table; it has{}", name, known));
 }
 
 void require(bool holds, const char* name, double value, const char* bound) {

@@ -15,7 +15,7 @@ namespace grainlaw::continuum {
 struct EffectiveBase {
   double no_slip_height = 0.0;  ///< z at which u = 0 [d]
   double mass_below = 0.0;      ///< flowing mass per unit area below that height [rho_p d]
-  std::string recipe;           ///< base it was measured on; empty: not stated
+  std::string recipe{};         ///< base it was measured on; empty: not stated
 };
 
 /// Covariance of the fitted coefficients, row-major, in the order of `names`.
@@ -34,9 +34,9 @@ struct Range {
 
 /// Where the data of a table lie. An absent range was not explored (the law does not depend on it).
 struct ValidRange {
-  std::optional<Range> inertial_number;
-  std::optional<Range> softness;
-  std::optional<Range> bond_number;
+  std::optional<Range> inertial_number{};
+  std::optional<Range> softness{};
+  std::optional<Range> bond_number{};
 };
 
 /// Meaning of the numbers, in words, so that a table can be used without its authors.

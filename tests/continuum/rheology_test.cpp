@@ -1,0 +1,215 @@
+#include "continuum/rheology.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "continuum/bagnold_profile.h"
+#include "continuum/flow_curve.h"
+#include "tests/continuum/example_laws.h"
+
+namespace grainlaw::continuum {
+namespace {
+
+/// Smallest number type a fit needs: a value and one derivative.
+struct Dual {
+  double value = 0.0;
+  double derivative = 0.0;
+  Dual() = default;
+  explicit Dual(double v, double d = 0.0) : value(v), derivative(d) {}
+};
+Dual operator+(Dual x, Dual y) {
+  return Dual(x.value + y.value, x.derivative + y.derivative);
+}
+Dual operator-(Dual x, Dual y) {
+  return Dual(x.value - y.value, x.derivative - y.derivative);
+}
+Dual operator*(Dual x, Dual y) {
+  return Dual(x.value * y.value, x.derivative * y.value + x.value * y.derivative);
+}
+Dual operator/(Dual x, Dual y) {
+  const double ratio = x.value / y.value;
+  return Dual(ratio, (x.derivative - ratio * y.derivative) / y.value);
+}
+Dual operator+(double x, Dual y) {
+  return Dual(x) + y;
+}
+Dual operator+(Dual x, double y) {
+  return x + Dual(y);
+}
+Dual operator-(double x, Dual y) {
+  return Dual(x) - y;
+}
+Dual operator*(double x, Dual y) {
+  return Dual(x) * y;
+}
+Dual operator*(Dual x, double y) {
+  return x * Dual(y);
+}
+Dual operator/(double x, Dual y) {
+  return Dual(x) / y;
+}
+Dual operator/(Dual x, double y) {
+  return x / Dual(y);
+}
+bool operator>(Dual x, double y) {
+  return x.value > y;
+}
+bool operator>(Dual x, Dual y) {
+  return x.value > y.value;
+}
+bool operator>(double x, Dual y) {
+  return x > y.value;
+}
+Dual sqrt(Dual x) {
+  const double root = std::sqrt(x.value);
+  return Dual(root, x.derivative / (2.0 * root));
+}
+Dual pow(Dual x, Dual y) {
+  const double power = std::pow(x.value, y.value);
+  return Dual(power, power * (y.derivative * std::log(x.value) + y.value * x.derivative / x.value));
+}
+Dual pow(double x, Dual y) {
+  return pow(Dual(x), y);
+}
+
+/// The derivative of f at x through Dual against central differences. Rounding 1e-16 / h and
+/// truncation h^2 meet near h = 1e-5: 1e-9 relative to the scale of f / x.
+template <class Function>
+void expect_derivative(Function f, double x) {
+  const double h = 1e-5 * x;
+  const double difference = (f(x + h) - f(x - h)) / (2.0 * h);
+  const double scale = std::abs(f(x) / x) + std::abs(difference);
+  EXPECT_NEAR(f(Dual(x, 1.0)).derivative, difference, 1e-9 * scale);
+}
+
+TEST(Laws, DerivativesWithRespectToCoefficientsMatchFiniteDifferences) {
+  expect_derivative([](auto mu0) { return inertial_friction(mu0, mu0 * 2.0, mu0 * 3.0, 0.2); },
+                    0.4);
+  expect_derivative([](auto x) { return inertial_number_of(x, x * 4.0, x, 0.5); }, 0.4);
+  expect_derivative([](auto p_mu) { return softness_friction(p_mu, 0.01); }, 0.39);
+  expect_derivative([](auto beta) { return cohesion_friction(beta * 0.2, beta, 2.0); }, 1.5);
+  expect_derivative([](auto beta) { return cohesion_friction(beta * 0.2, beta, 9.0); }, 1.5);
+  expect_derivative([](auto phi0) { return inertial_volume_fraction(phi0, phi0 * 9.0, 0.1); }, 0.6);
+  expect_derivative([](auto p) { return cohesion_volume_fraction(p, p * 0.5, p, p, 2.0); }, 0.1);
+}
+
+constexpr double stress_per_depth = 0.2359;
+
+TEST(Laws, BagnoldVelocityHasTheDerivativesOfFiniteDifferences) {
+  expect_derivative(
+      [](auto a) { return bagnold_velocity(a, a * 0.6, a * 4.0, stress_per_depth, 50.0, 30.0); },
+      1.3);
+  expect_derivative(
+      [](auto b) { return bagnold_velocity(b * 0.0 + 1.3, b, b, stress_per_depth, 50.0, 3.0); },
+      0.8);
+  expect_derivative(
+      [](auto h) {
+        return bagnold_velocity(h * 0.02, h * 0.01, h * 0.0, stress_per_depth, h, 9.0);
+      },
+      50.0);
+}
+
+TEST(GeneralisedBagnold, ShearRateInvertsTheStressAlsoWithoutOneOfItsTerms) {
+  for (const auto& [a, b] :
+       {std::pair{1.3, 0.8}, {1.3, 0.0}, {0.0, 0.8}, {1e-12, 0.8}, {1.3, 1e-12}})
+    for (const double rate : {1e-6, 1e-3, 0.3, 20.0}) {
+      const double excess = bagnold_shear_stress(a, b, 0.0, rate);
+      EXPECT_NEAR(bagnold_shear_rate(a, b, excess), rate, 1e-14 * rate);
+    }
+}
+
+TEST(GeneralisedBagnold, NothingShearsUpToTheYieldStress) {
+  EXPECT_EQ(bagnold_shear_rate(1.3, 0.0, 0.0), 0.0);
+  EXPECT_EQ(bagnold_shear_rate(1.3, 0.8, -2.0), 0.0);
+}
+
+TEST(FlowCurve, InverseOfTheStressIsTheShearRateForBothClosures) {
+  const GrainProperties soft{.stiffness = 1e4, .adhesion = 0.5};
+  for (const double p : {0.3, 5.0, 60.0})
+    for (const double q : {1e-6, 1e-3, 0.1, 2.0}) {
+      for (const FlowCurve& curve : {flow_curve(frictional_spheres(), soft, p),
+                                     flow_curve(bagnold_at_24_degrees(1.3, 0.8, 6.0), soft, p)}) {
+        const double tau = curve.yield_stress + curve.viscous_stress(q);
+        // tau - tau_y has lost tau_y / viscous stress of its digits
+        const double tolerance = 4e-16 * (1.0 + tau / curve.viscous_stress(q));
+        EXPECT_NEAR(curve.scaled_rate(tau).value(), q, 4.0 * tolerance * q);
+      }
+    }
+}
+
+TEST(FlowCurve, SlopeMatchesFiniteDifferencesForBothClosures) {
+  for (const FlowCurve& curve : {flow_curve(frictional_spheres(), {}, 5.0),
+                                 flow_curve(bagnold_at_24_degrees(1.3, 0.8, 6.0), {}, 5.0)})
+    for (const double q : {-0.5, 0.01, 0.3, 4.0}) {
+      const double h = 1e-5 * std::abs(q);
+      const double difference =
+          (curve.viscous_stress(q + h) - curve.viscous_stress(q - h)) / (2.0 * h);
+      EXPECT_NEAR(curve.viscous_slope(q), difference, 1e-9 * curve.viscous_slope(q));
+    }
+}
+
+TEST(FlowCurve, IsTheLawOfTheTableInAnotherVariable) {
+  const MuPhi law = frictional_spheres();
+  const GrainProperties grains{.stiffness = 2e3, .adhesion = 0.7};
+  const double p = 3.0;
+  const FlowCurve curve = flow_curve(law, grains, p);
+  const Confinement at = confinement(grains, p);
+  for (const double q : {0.001, 0.1, 3.0}) {
+    const double I = curve.shear_rate(q) / std::sqrt(p);
+    EXPECT_NEAR(curve.yield_stress + curve.viscous_stress(q), p * friction(law, I, at), 1e-14 * p);
+    EXPECT_NEAR(curve.volume_fraction(q), volume_fraction(law, I, at), 1e-15);
+    EXPECT_LT(I, law.volume_fraction.I_phi);
+  }
+}
+
+TEST(FlowCurve, NoRateReachesTheLargestFriction) {
+  const FlowCurve curve = flow_curve(frictional_spheres(), {}, 2.0);
+  EXPECT_FALSE(curve.relative_inertial_number(2.0 * 0.7149));
+  EXPECT_FALSE(curve.scaled_rate(2.0 * 0.70));  // I_phi comes first
+  EXPECT_GT(curve.relative_inertial_number(2.0 * 0.70).value(), 1.0);
+}
+
+/// Shi et al. 2020, tables 3, 5 and 7 put into eqs. 16 and 1A: I = 0.02, p* = 0.01, four digits.
+TEST(PublishedLaws, GiveTheFrictionTheirCoefficientsGive) {
+  const auto at = [](double Bo) {
+    return Confinement{.softness = (1.0 + Bo) * 0.01, .bond_number = Bo};
+  };
+  EXPECT_NEAR(friction(frictional_spheres(), 0.02, at(0.0)), 0.3047, 5e-5);
+  EXPECT_NEAR(friction(frictional_spheres(), 0.02, at(1.0)), 0.3523, 5e-5);
+  EXPECT_NEAR(friction(frictional_spheres(), 0.02, at(5.0)), 0.8625, 5e-5);
+  EXPECT_NEAR(friction(slippery_spheres(), 0.02, at(2.0)), 0.3467, 5e-5);
+  EXPECT_NEAR(volume_fraction(frictional_spheres(), 0.02, at(0.0)), 0.6134, 5e-5);
+  EXPECT_NEAR(volume_fraction(slippery_spheres(), 0.02, at(0.0)), 0.6710, 5e-5);
+  EXPECT_NEAR(volume_fraction(slippery_spheres(), 0.02, at(5.0)), 0.723986, 5e-7);
+}
+
+TEST(PublishedLaws, StayPhysicalBeyondTheFittedBondNumbers) {
+  for (const auto& law : {frictional_spheres(), slippery_spheres()}) {
+    double previous = 0.0;
+    for (const double Bo : {1.0, 4.999999, 5.0, 5.000001, 7.0, 20.0, 1e6}) {
+      const double f_B = friction_factor(law, {.softness = 0.0, .bond_number = Bo});
+      EXPECT_GE(f_B, previous);
+      previous = f_B;
+      EXPECT_GT(static_volume_fraction(law, {.softness = 0.0, .bond_number = Bo}), 0.5);
+    }
+  }
+}
+
+TEST(PublishedLaws, KeepAFiniteYieldStressAtAFreeSurface) {
+  const MuPhi law = frictional_spheres();
+  const double f_a = 5.0;
+  // tangent of f_B: tau_y -> mu0 alpha beta 5^(beta-1) f_a as p -> 0
+  const double limit = 0.3530 * 0.2551 * 1.5125 * std::pow(5.0, 0.5125) * f_a;
+  EXPECT_NEAR(flow_curve(law, {.adhesion = f_a}, 1e-12).yield_stress, limit, 1e-10 * limit);
+}
+
+TEST(RigidGrains, HaveExactlyTheFrictionWithoutSoftness) {
+  MuPhi without = frictional_spheres();
+  without.softness_friction.reset();
+  EXPECT_EQ(flow_curve(frictional_spheres(), {}, 7.0).yield_stress,
+            flow_curve(without, {}, 7.0).yield_stress);
+}
+
+}  // namespace
+}  // namespace grainlaw::continuum

@@ -1,0 +1,124 @@
+// Steady chute against closed forms and against digits computed independently to 1e-10.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "continuum/bagnold_profile.h"
+#include "tests/continuum/example_laws.h"
+
+namespace grainlaw::continuum {
+namespace {
+
+TEST(V1BagnoldFlow, FollowsTheThreeHalvesPowerOfDepth) {
+  const double phi = 0.58, mass = 29.0, cosine = std::cos(24 * degree);
+  const auto profile = steady_chute(table_of(incompressible_spheres()), chute(24, mass)).profile;
+  const double I = 0.7184 * (std::tan(24 * degree) - 0.3530) / (0.7148 - std::tan(24 * degree));
+  const auto exact = [&](double mass_above) {
+    const double depth = mass_above / phi;
+    return 2.0 / 3.0 * I * std::sqrt(phi * cosine) *
+           (std::pow(mass / phi, 1.5) - std::pow(depth, 1.5));
+  };
+  for (const auto& row : profile.rows)
+    EXPECT_NEAR(row.velocity, exact(row.mass_above), 1e-13 * exact(0.0));
+  EXPECT_NEAR(profile.height, mass / phi, 1e-13 * profile.height);
+}
+
+struct BagnoldDigits {
+  double a, b, tau_c, surface_velocity, velocity_at_40;
+};
+
+/// Depth 50, phi 0.58, 24 degrees; y = 40 below the surface is row 1 of 6.
+TEST(V2GeneralisedBagnold, HasTheProfileOfBrewsterEquation9) {
+  for (const auto& [a, b, tau_c, surface, at_40] :
+       {BagnoldDigits{1.3, 0, 0, 100.406705641, 28.5615154939},
+        BagnoldDigits{1.3, 0.8, 0, 86.4906814575, 25.6500209076},
+        BagnoldDigits{1.3, 0.8, 6, 28.020844029, 15.9659003098},
+        BagnoldDigits{1.3, 1e-12, 6, 34.5793398116, 18.7912166248},
+        BagnoldDigits{1e-12, 0.8, 6, 88.9815483911, 57.6978298031}}) {
+    const auto steady =
+        steady_chute(table_of(bagnold_at_24_degrees(a, b, tau_c)), chute(24, 29), {.rows = 6});
+    EXPECT_NEAR(steady.profile.surface_velocity, surface, 1e-10 * surface);
+    EXPECT_NEAR(steady.profile.rows[1].velocity, at_40, 1e-10 * at_40);
+    EXPECT_EQ(steady.answer.outcome, tau_c > 0.0 ? Outcome::plug : Outcome::steady);
+    if (tau_c > 0.0) {
+      EXPECT_NEAR(steady.profile.plug_mass / 0.58, 25.4337241611, 25.4 * 1e-10);
+    }
+  }
+}
+
+TEST(V2GeneralisedBagnold, QuadratureAndClosedFormAgreeToRounding) {
+  const double c = 0.58 * std::sin(24 * degree);
+  for (const auto& [a, b, tau_c] : {std::array{1.3, 0.0, 0.0}, {1.3, 0.01, 2.0}, {1e-9, 0.8, 6.0}})
+    for (const auto& row :
+         steady_chute(table_of(bagnold_at_24_degrees(a, b, tau_c)), chute(24, 29)).profile.rows) {
+      const double exact = bagnold_velocity(a, b, tau_c, c, 50.0, row.mass_above / 0.58);
+      EXPECT_NEAR(row.velocity, exact, 2e-14 * bagnold_velocity(a, b, tau_c, c, 50.0, 0.0));
+    }
+}
+
+/// Values of the printed form of eq. 9, exact where it has no cancellation.
+TEST(V2GeneralisedBagnold, ClosedFormHasTheValuesOfThePrintedEquation) {
+  const auto at_height = [](double a, double b, double z) {
+    return bagnold_velocity(a, b, 0.0, 0.43, 90.0, 90.0 - z);
+  };
+  EXPECT_NEAR(at_height(26, 10, 10), 10.086737, 5e-7);
+  EXPECT_NEAR(at_height(26, 10, 45), 39.459184, 5e-7);
+  EXPECT_NEAR(at_height(26, 10, 90), 58.352155, 5e-7);
+  EXPECT_NEAR(at_height(26, 0, 10), 11.854803, 5e-7);
+  EXPECT_NEAR(at_height(26, 0, 45), 47.320870, 5e-7);
+  EXPECT_NEAR(at_height(0, 20, 10), 18.275, 1e-12);
+  EXPECT_NEAR(at_height(0, 20, 90), 87.075, 1e-12);
+}
+
+struct LawDigits {
+  GrainProperties grains;
+  double surface_velocity, height, base_inertial_number;
+};
+
+/// Frictional spheres, M0 = 52.2, 24 degrees. The height of the cohesive layer needs the quadrature
+/// to be split where the cohesion terms have their kink, Bo = 5 at M = f_a / (5 cos(theta));
+/// without that it comes out 5e-9 off.
+TEST(V5FullLaw, HasTheDigitsOfAnIndependentQuadrature) {
+  for (const auto& [grains, surface, height, I] :
+       {LawDigits{{}, 104.0202926240, 91.9285336043, .2457868620},
+        LawDigits{{.stiffness = 381971.8634}, 113.8802833418, 92.2622260073, .2756777989},
+        LawDigits{{.stiffness = 3819.718634}, 264.1169668997, 95.6142718026, .7872329053},
+        LawDigits{{.stiffness = 381971.8634, .adhesion = 5.0},
+                  95.1035087470,
+                  94.5588780344,
+                  .2630411702}}) {
+    const auto profile =
+        steady_chute(table_of(frictional_spheres()), chute(24, 52.2, grains)).profile;
+    EXPECT_NEAR(profile.surface_velocity, surface, 1e-9 * surface);
+    EXPECT_NEAR(profile.height, height, 1e-9 * height);
+    EXPECT_NEAR(profile.rows.front().inertial_number, I, 1e-9 * I);
+    const double plug = grains.adhesion ? .1005999720 : 0.0;
+    EXPECT_NEAR(profile.plug_mass / 52.2, plug, 1e-9 * plug);
+  }
+}
+
+TEST(V6FullLaw, HoldsForSlipperyGrains) {
+  const auto profile =
+      steady_chute(table_of(slippery_spheres()), chute(12, 52.2, {.stiffness = 381971.8634}))
+          .profile;
+  EXPECT_NEAR(profile.surface_velocity, 11.8888814374, 1e-9 * 11.9);
+  EXPECT_NEAR(profile.height, 81.0213376336, 1e-9 * 81.0);
+  EXPECT_NEAR(profile.rows.front().inertial_number, .0315528653, 1e-9 * .0316);
+}
+
+TEST(SteadyQuadrature, DoesNotChangeWithMorePanels) {
+  const auto table = table_of(frictional_spheres());
+  for (const auto& inclined : {chute(24, 52.2, {.stiffness = 381971.8634}),
+                               chute(24, 52.2, {.stiffness = 381971.8634, .adhesion = 5.0}),
+                               chute(19.3, 52.2, {.stiffness = 3819.718634}),  // yields inside
+                               chute(33, 52.2)}) {
+    const auto few = steady_chute(table, inclined).profile;
+    const auto many = steady_chute(table, inclined, {.panels = 640}).profile;
+    EXPECT_NEAR(few.surface_velocity, many.surface_velocity, 1e-13 * many.surface_velocity);
+    EXPECT_NEAR(few.height, many.height, 1e-13 * many.height);
+    EXPECT_NEAR(few.flux, many.flux, 1e-13 * many.flux);
+  }
+}
+
+}  // namespace
+}  // namespace grainlaw::continuum
