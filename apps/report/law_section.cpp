@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -16,6 +17,10 @@ using calibration::FittedCoefficient;
 std::string remark(const FittedCoefficient& coefficient) {
   if (!coefficient.identifiable) return "not identifiable";
   return coefficient.at_bound ? "at its bound" : "";
+}
+
+bool has_remark(const FittedCoefficient& coefficient) {
+  return !remark(coefficient).empty();
 }
 
 std::vector<Html> value_cells(const dem::Estimate& estimate) {
@@ -49,7 +54,8 @@ Table fit_table(const std::string& law, const FitSummary& fit, const std::string
   for (std::size_t j = 0; correlated && j < size; ++j) {
     result.head.push_back("Corr. "_html + coefficient_symbol(fit.coefficients[j].name));
   }
-  result.head.push_back("Remark"_html);
+  const bool remarks = std::any_of(fit.coefficients.begin(), fit.coefficients.end(), has_remark);
+  if (remarks) result.head.push_back("Remark"_html);
   for (std::size_t i = 0; i < size; ++i) {
     const FittedCoefficient& coefficient = fit.coefficients[i];
     std::vector<Html> cells = {coefficient_symbol(coefficient.name),
@@ -60,7 +66,7 @@ Table fit_table(const std::string& law, const FitSummary& fit, const std::string
     for (std::size_t j = 0; correlated && j < size; ++j) {
       cells.push_back(text(fixed(fit.correlation[i * size + j], 2)));
     }
-    cells.push_back(text(remark(coefficient)));
+    if (remarks) cells.push_back(text(remark(coefficient)));
     result.rows.push_back(std::move(cells));
   }
   return result;

@@ -98,7 +98,7 @@ double bulk_volume_fraction(const dem::LocalData& data) {
 /// An axis range around one value, wide enough for scatter, narrow enough to show differences.
 std::string range_around(double value) {
   if (!(value > 0.0)) return {};
-  return fmt::format("set xrange [{:.3f}:{:.3f}]\n", 0.8 * value, 1.2 * value);
+  return fmt::format("set xrange [{:.3f}:{:.3f}]\nset xtics 0.05\n", 0.8 * value, 1.2 * value);
 }
 
 std::vector<Quantity> quantities(const RunComparison& run) {

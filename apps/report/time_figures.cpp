@@ -61,7 +61,7 @@ std::string guide(const Csv& csv, std::size_t x, std::size_t first_column, std::
   for (const std::vector<double>& row : csv.rows) {
     double largest = nan;
     for (std::size_t k = first_column; k < row.size(); k += step) {
-      largest = std::fmax(largest, row[k]);  // fmax passes over NaN
+      largest = std::fmax(largest, row[k]);
     }
     if (largest > 0.0 && row[x] > 0.0) {
       return fmt::format("{:.6g} / sqrt(x) with lines lw 1 dt (2,4) lc rgb '{}' title 'slope −½'",
@@ -70,6 +70,20 @@ std::string guide(const Csv& csv, std::size_t x, std::size_t first_column, std::
     }
   }
   return {};
+}
+
+/// Range over the columns first, first + step, ... below end, with a margin for the marks.
+std::string value_range(const Csv& csv, std::size_t first, std::size_t step, std::size_t end) {
+  double lowest = nan;
+  double highest = nan;
+  for (const std::vector<double>& row : csv.rows) {
+    for (std::size_t k = first; k < end; k += step) {
+      lowest = std::fmin(lowest, row[k]);  // fmin and fmax pass over NaN
+      highest = std::fmax(highest, row[k]);
+    }
+  }
+  return lowest > 0.0 ? fmt::format("set yrange [{:.3g}:{:.3g}]\n", 0.6 * lowest, 1.6 * highest)
+                      : std::string{};
 }
 
 /// Tics at 1, 2, 5 of every decade: the axes span a decade or less, where gnuplot labels one tic.
@@ -103,6 +117,7 @@ std::string head(const std::string& name,
 std::string law_script(const std::string& name, const Csv& csv) {
   const std::string shown = guide(csv, 0, 3, csv.columns.size());
   return head(name, csv, 0, time_label, "relative error of {/:Italic I}") +
+         value_range(csv, 2, 1, 4) +
          fmt::format(
              "plot {3}'{0}' using \"{1}\":\"law standard error\" with linespoints "
              "lw 1.3 dt (6,4) {4} title 'claimed s.e.', \\\n     "
@@ -146,8 +161,8 @@ std::string profile_script(const Report& report,
     if (!has_number(csv, 4 + 2 * k)) continue;
     parts += (parts.empty() ? "" : ", \\\n     ") + run_part(report, csv, x, k);
   }
-  return head(name, csv, x, label, "velocity error, relative {/:Italic L}_2") + "plot " + parts +
-         "\n";
+  return head(name, csv, x, label, "velocity error, relative {/:Italic L}_2") +
+         value_range(csv, 4, 2, csv.columns.size()) + "plot " + parts + "\n";
 }
 
 }  // namespace

@@ -40,6 +40,22 @@ class Report : public ::testing::Test {
   fs::path directory_;
 };
 
+/// The synthetic report, written once for all tests that only read it.
+class WrittenReport : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    std::string pattern = (fs::temp_directory_path() / "grainlaw-report-XXXXXX").string();
+    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
+    directory = pattern;
+    report::write_report(synthetic_report(), directory);
+    html = io::read_file(directory / "report.html");
+  }
+  static void TearDownTestSuite() { fs::remove_all(directory); }
+
+  static inline fs::path directory;
+  static inline std::string html;
+};
+
 /// Search path without any program, as on a machine without gnuplot.
 class EmptyPath {
  public:
@@ -96,8 +112,7 @@ bool shows_nan(const std::string& html) {
   return std::regex_search(shown_text(html), std::regex("\\b[Nn][Aa][Nn]\\b|\\binf\\b"));
 }
 
-TEST_F(Report, TagsAreBalancedAndNothingIsLoadedFromElsewhere) {
-  const std::string html = write(synthetic_report());
+TEST_F(WrittenReport, TagsAreBalancedAndNothingIsLoadedFromElsewhere) {
   EXPECT_EQ(first_unbalanced_tag(html), "");
   EXPECT_EQ(html.find("http:"), std::string::npos);
   EXPECT_EQ(html.find("https:"), std::string::npos);
@@ -106,23 +121,21 @@ TEST_F(Report, TagsAreBalancedAndNothingIsLoadedFromElsewhere) {
   EXPECT_TRUE(attributes(html, "src").empty());
 }
 
-TEST_F(Report, EveryIdIsUniqueAndEveryInnerReferenceHasItsTarget) {
-  const std::string html = write(synthetic_report());
+TEST_F(WrittenReport, EveryIdIsUniqueAndEveryInnerReferenceHasItsTarget) {
   const std::vector<std::string> ids = attributes(html, "id");
   const std::set<std::string> unique(ids.begin(), ids.end());
   EXPECT_EQ(ids.size(), unique.size());
   for (const std::string& target : attributes(html, "href")) {
     const bool inner = target.starts_with('#');
-    EXPECT_TRUE(inner ? unique.contains(target.substr(1)) : fs::exists(directory_ / target))
+    EXPECT_TRUE(inner ? unique.contains(target.substr(1)) : fs::exists(directory / target))
         << target;
   }
 }
 
-TEST_F(Report, EveryFigureIsInThePageAndCanBeDrawnAgain) {
+TEST_F(WrittenReport, EveryFigureIsInThePageAndCanBeDrawnAgain) {
   if (!gnuplot_is_installed()) GTEST_SKIP() << "gnuplot is not installed";
-  const std::string html = write(synthetic_report());
   std::size_t scripts = 0;
-  for (const fs::directory_entry& entry : fs::directory_iterator(directory_ / "plots")) {
+  for (const fs::directory_entry& entry : fs::directory_iterator(directory / "plots")) {
     if (entry.path().extension() != ".gp") continue;
     ++scripts;
     EXPECT_TRUE(fs::exists(fs::path(entry.path()).replace_extension(".svg"))) << entry.path();
@@ -130,16 +143,16 @@ TEST_F(Report, EveryFigureIsInThePageAndCanBeDrawnAgain) {
   // Law 2; five steady runs 3 profiles and 3 start-up figures each; error against time 3.
   EXPECT_EQ(scripts, 2u + 5u * (3u + 3u) + 3u);
   EXPECT_EQ(attributes(html, "role").size(), scripts);
-  const std::string first = io::read_file(plot("law_friction.svg"));
-  fs::remove(plot("law_friction.svg"));
+  const fs::path svg = directory / "plots" / "law_friction.svg";
+  const std::string first = io::read_file(svg);
+  fs::remove(svg);
   const std::string command =
-      "cd '" + (directory_ / "plots").string() + "' && gnuplot --default-settings law_friction.gp";
+      "cd '" + (directory / "plots").string() + "' && gnuplot --default-settings law_friction.gp";
   ASSERT_EQ(std::system(command.c_str()), 0);
-  EXPECT_EQ(io::read_file(plot("law_friction.svg")), first);
+  EXPECT_EQ(io::read_file(svg), first);
 }
 
-TEST_F(Report, FiguresTakeTheColourAndFontOfThePage) {
-  const std::string html = write(synthetic_report());
+TEST_F(WrittenReport, FiguresTakeTheColourAndFontOfThePage) {
   const std::string figures = html.substr(html.find("<body>"));
   EXPECT_EQ(figures.find("black"), std::string::npos);
   EXPECT_EQ(figures.find("rgb(  0,   0,   0)"), std::string::npos);
@@ -167,10 +180,9 @@ TEST_F(Report, AFailingGnuplotLeavesNoOldPictureInThePage) {
   EXPECT_NE(html.find("gnuplot failed: no terminal svg"), std::string::npos);
 }
 
-TEST_F(Report, JsonHoldsTheNumbersOfTheReport) {
+TEST_F(WrittenReport, JsonHoldsTheNumbersOfTheReport) {
   const report::Report content = synthetic_report();
-  write(content);
-  const json document = numbers();
+  const json document = json::parse(io::read_file(directory / "report.json"));
   EXPECT_EQ(document["title"], content.title);
   ASSERT_EQ(document["runs"].size(), content.runs.size());
   for (std::size_t k = 0; k < content.runs.size(); ++k) {
@@ -230,17 +242,17 @@ TEST_F(Report, TextFromOutsideIsEscapedEverywhere) {
   EXPECT_EQ(html.find("gnuplot failed"), std::string::npos);
 }
 
-TEST_F(Report, InSampleAndPredictedErrorsStandUnderTheirOwnHeadings) {
-  const std::string html = shown_text(write(synthetic_report()));
-  const std::size_t in_sample = html.find("In sample: the law was fitted to these runs");
-  const std::size_t interpolation = html.find("Predicted, interpolation");
-  const std::size_t extrapolation = html.find("Predicted, extrapolation");
+TEST_F(WrittenReport, InSampleAndPredictedErrorsStandUnderTheirOwnHeadings) {
+  const std::string shown = shown_text(html);
+  const std::size_t in_sample = shown.find("In sample: the law was fitted to these runs");
+  const std::size_t interpolation = shown.find("Predicted, interpolation");
+  const std::size_t extrapolation = shown.find("Predicted, extrapolation");
   ASSERT_NE(extrapolation, std::string::npos);
   EXPECT_LT(in_sample, interpolation);
   EXPECT_LT(interpolation, extrapolation);
-  EXPECT_NE(html.find("2.14 ± 0.41 %", 0), std::string::npos);
-  EXPECT_NE(html.find("24.8°, predicted (interpolation)"), std::string::npos);
-  EXPECT_NE(html.find("27.5°: I reaches 0.264 (data end at 0.206)"), std::string::npos);
+  EXPECT_NE(shown.find("2.14 ± 0.41 %", 0), std::string::npos);
+  EXPECT_NE(shown.find("24.8°, predicted (interpolation)"), std::string::npos);
+  EXPECT_NE(shown.find("27.5°: I reaches 0.264 (data end at 0.206)"), std::string::npos);
 }
 
 TEST_F(Report, ATableWithoutErrorsAndWithoutAFitIsReportedAsSuch) {
