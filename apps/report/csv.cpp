@@ -7,7 +7,9 @@
 namespace grainlaw::report {
 namespace {
 
-std::string field(const std::string& name) { return name; }
+std::string field(const std::string& name) {
+  return name;
+}
 
 std::string field(double number) {
   if (!std::isfinite(number)) return {};

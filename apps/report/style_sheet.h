@@ -60,7 +60,7 @@ td { vertical-align: top; }
 tr > :first-child { padding-left: 0.2rem; }
 tr > :last-child { padding-right: 0.2rem; }
 tr.group th { padding-top: 0.8rem; font-style: italic; font-weight: 400; }
-.figures { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(20rem, 100%), 1fr));
+.figures { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(18rem, 100%), 1fr));
   gap: 0.6rem 1.6rem; margin: 0.6rem 0 1.2rem; }
 .figures.two { grid-template-columns: repeat(auto-fill, minmax(min(28rem, 100%), 1fr)); }
 figure { margin: 0; max-width: 34rem; font-family: system-ui, "Segoe UI", Roboto, "DejaVu Sans",
@@ -81,7 +81,7 @@ figcaption a { color: inherit; }
   th, td { padding-left: 0.7em; }
   .figures { grid-template-columns: repeat(3, 1fr); }
   .figures.two { grid-template-columns: repeat(2, 1fr); }
-  figure, tr, dd, li { break-inside: avoid; }
+  figure, tr, dd, li, .scroll { break-inside: avoid; }
   h2, h3, caption { break-after: avoid; }
 }
 )";

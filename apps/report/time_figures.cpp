@@ -104,14 +104,15 @@ std::string head(const std::string& name,
                  std::size_t x,
                  const std::string& x_label,
                  const std::string& y_label) {
-  return plot_head(name) + fmt::format(
-                               "set logscale xy\nset xtics ({0})\nset ytics ({0})\n"
-                               "set xlabel '{1}'\nset ylabel '{2}'\nset xrange [{3:.4g}:{4:.4g}]\n",
-                               tics(),
-                               x_label,
-                               y_label,
-                               0.8 * csv.rows.front()[x],
-                               1.25 * csv.rows.back()[x]);
+  return plot_head(name) +
+         fmt::format(
+             "set tmargin at screen 0.80\nset logscale xy\nset xtics ({0})\nset ytics ({0})\n"
+             "set xlabel '{1}'\nset ylabel '{2}'\nset xrange [{3:.4g}:{4:.4g}]\n",
+             tics(),
+             x_label,
+             y_label,
+             0.8 * csv.rows.front()[x],
+             1.25 * csv.rows.back()[x]);
 }
 
 std::string law_script(const std::string& name, const Csv& csv) {
