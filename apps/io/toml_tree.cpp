@@ -9,8 +9,14 @@
 namespace grainlaw::io {
 namespace {
 
-// The parser and its tree recurse; this bounds their depth for any file, also a hostile one.
+// The parser recurses into what stands in brackets and the names between dots; this bounds its
+// stack for any file, also a hostile one. Our own files have three levels.
 constexpr std::ptrdiff_t most_nesting_characters = 5000;
+constexpr int most_levels = 20;
+
+struct TooDeep {
+  Place place;
+};
 
 Place place_of(const toml::source_region& region, std::size_t width) {
   return {std::max<std::size_t>(region.begin.line, 1),
@@ -18,29 +24,31 @@ Place place_of(const toml::source_region& region, std::size_t width) {
           width};
 }
 
-TomlValue converted(const toml::node& node);
+TomlValue converted(const toml::node& node, int level);
 
-TomlTable converted_table(const toml::table& table) {
+TomlTable converted_table(const toml::table& table, int level) {
   TomlTable result;
   for (const auto& [key, node] : table) {
-    result.entries.push_back(
-        {std::string(key.str()), place_of(key.source(), key.str().size()), converted(node)});
+    result.entries.push_back({std::string(key.str()),
+                              place_of(key.source(), key.str().size()),
+                              converted(node, level + 1)});
   }
   return result;
 }
 
-std::vector<TomlValue> converted_array(const toml::array& array) {
+std::vector<TomlValue> converted_array(const toml::array& array, int level) {
   std::vector<TomlValue> result;
-  for (const toml::node& node : array) result.push_back(converted(node));
+  for (const toml::node& node : array) result.push_back(converted(node, level + 1));
   return result;
 }
 
-TomlValue converted(const toml::node& node) {
+TomlValue converted(const toml::node& node, int level) {
+  if (level > most_levels) throw TooDeep{place_of(node.source(), 1)};
   TomlValue result{place_of(node.source(), 1), {}};
   if (const auto* table = node.as_table()) {
-    result.value = converted_table(*table);
+    result.value = converted_table(*table, level);
   } else if (const auto* array = node.as_array()) {
-    result.value = converted_array(*array);
+    result.value = converted_array(*array, level);
   } else if (const auto* flag = node.as_boolean()) {
     result.value = flag->get();
   } else if (const auto* integer = node.as_integer()) {
@@ -85,10 +93,12 @@ std::string TomlValue::type() const {
 TomlValue parse_toml(const std::string& text, const std::filesystem::path& path) {
   refuse_hostile_nesting(text, path);
   try {
-    return converted(toml::parse(text));
+    return converted(toml::parse(text), 0);
   } catch (const toml::parse_error& error) {
     throw InputError(excerpt(
         path.string(), text, place_of(error.source(), 1), std::string(error.description())));
+  } catch (const TooDeep& found) {
+    throw InputError(excerpt(path.string(), text, found.place, "nested too deeply"));
   }
 }
 
