@@ -206,9 +206,9 @@ FitSummary summarise(const Solved& solved,
                      const Observations& observations) {
   FitSummary summary = describe(names, solved.minimum, solved.uncertainty);
   summary.left_out = observations.left_out;
-  summary.left_out.push_back("tau_c: the grains have no cohesion");
+  summary.left_out.emplace_back("tau_c: the grains have no cohesion");
   if (input.blocks.empty()) {
-    summary.notes.push_back(
+    summary.notes.emplace_back(
         "the run has no frames to form blocks from: errors take all rows as independent and are "
         "too small");
   }

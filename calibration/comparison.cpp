@@ -55,9 +55,7 @@ std::vector<std::size_t> compared_rows(const std::vector<LocalRow>& rows) {
     above_base.push_back(k);
     fractions.push_back(phi);
   }
-  if (fractions.empty()) return {};
-  std::nth_element(fractions.begin(), fractions.begin() + fractions.size() / 2, fractions.end());
-  const double half_bulk = 0.5 * fractions[fractions.size() / 2];
+  const double half_bulk = 0.5 * median(fractions);
   const auto dilute = [&](std::size_t k) { return rows[k].volume_fraction.value < half_bulk; };
   // From the top down: a dilute layer right at the base is part of the comparison.
   while (!above_base.empty() && dilute(above_base.back())) above_base.pop_back();
@@ -133,6 +131,7 @@ dem::Estimate with_error(const Norms& whole,
                          const std::vector<Norms>& without,
                          double Norms::*norm) {
   std::vector<double> values;
+  values.reserve(without.size());
   for (const Norms& one : without) values.push_back(one.*norm);
   return {whole.*norm, values.empty() ? nan : jackknife_error(values)};
 }

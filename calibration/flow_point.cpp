@@ -63,6 +63,7 @@ void store_values(const PointValues& values, FlowPoint& point) {
 void store_jackknife_errors(const std::vector<PointValues>& without, FlowPoint& point) {
   const auto error = [&](double PointValues::*field) {
     std::vector<double> values;
+    values.reserve(without.size());
     for (const PointValues& one : without) values.push_back(one.*field);
     return jackknife_error(values);
   };

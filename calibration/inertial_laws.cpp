@@ -63,6 +63,7 @@ struct FractionModel {
 template <class Slope>
 std::vector<double> effective_errors(const std::vector<LawPoint>& points, Slope slope) {
   std::vector<double> errors;
+  errors.reserve(points.size());
   for (const LawPoint& p : points) {
     errors.push_back(std::hypot(p.y_error, slope(p.inertial_number) * p.inertial_number_error));
   }
@@ -120,7 +121,7 @@ LawFit solve(MakeProblem make_problem, std::vector<double> start) {
 void note_scatter(const LawFit& fit, FitSummary& summary) {
   const std::size_t unknowns = fit.minimum.values.size();
   if (fit.minimum.residuals.size() == unknowns) {
-    summary.notes.push_back(
+    summary.notes.emplace_back(
         "as many points as coefficients: the law goes through them exactly and is not tested; "
         "errors come from those of the points alone");
   } else if (fit.scatter > 1.0) {
@@ -134,9 +135,7 @@ void note_scatter(const LawFit& fit, FitSummary& summary) {
 /// In steady flow the balance of forces gives mu = tan(theta) exactly; the measured ratio stands in
 /// where it contradicts that (flow_point says so).
 std::vector<LawPoint> friction_points(const std::vector<FlowPoint>& points) {
-  std::vector<dem::Estimate> inertial_numbers;
-  for (const FlowPoint& point : points) inertial_numbers.push_back(point.inertial_number);
-  const std::vector<double> errors = weight_errors(inertial_numbers);
+  const std::vector<double> errors = weight_errors(collect(points, &FlowPoint::inertial_number));
   std::vector<LawPoint> result;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const dem::Estimate friction = friction_for_fit(points[i]);
@@ -146,8 +145,7 @@ std::vector<LawPoint> friction_points(const std::vector<FlowPoint>& points) {
 }
 
 std::vector<LawPoint> fraction_points(const std::vector<FlowPoint>& points) {
-  std::vector<dem::Estimate> fractions;
-  for (const FlowPoint& point : points) fractions.push_back(point.volume_fraction);
+  const std::vector<dem::Estimate> fractions = collect(points, &FlowPoint::volume_fraction);
   const std::vector<double> errors = weight_errors(fractions);
   std::vector<LawPoint> result = friction_points(points);
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -207,16 +205,21 @@ void invert_second(LawFit& fit) {
 
 }  // namespace
 
+std::vector<dem::Estimate> collect(const std::vector<FlowPoint>& points,
+                                   dem::Estimate FlowPoint::*quantity) {
+  std::vector<dem::Estimate> estimates;
+  estimates.reserve(points.size());
+  for (const FlowPoint& point : points) estimates.push_back(point.*quantity);
+  return estimates;
+}
+
 int count_tilts(const std::vector<FlowPoint>& points) {
-  constexpr double same = 1e-9;  // [rad]
-  int count = 0;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const bool seen = std::any_of(points.begin(), points.begin() + i, [&](const FlowPoint& p) {
-      return std::abs(p.inclination - points[i].inclination) < same;
-    });
-    if (!seen) ++count;
-  }
-  return count;
+  std::vector<double> tilts;
+  tilts.reserve(points.size());
+  for (const FlowPoint& point : points) tilts.push_back(point.inclination);
+  std::sort(tilts.begin(), tilts.end());
+  const auto same = [](double one, double next) { return next - one < 1e-9; };  // rounding of files
+  return static_cast<int>(std::unique(tilts.begin(), tilts.end(), same) - tilts.begin());
 }
 
 FittedLaw fit_friction(const std::vector<FlowPoint>& points) {

@@ -15,6 +15,10 @@ struct FittedLaw {
   FitSummary summary;
 };
 
+/// One quantity of all points.
+std::vector<dem::Estimate> collect(const std::vector<FlowPoint>& points,
+                                   dem::Estimate FlowPoint::*quantity);
+
 /// Number of different tilts among the points: only these are different points of a law.
 int count_tilts(const std::vector<FlowPoint>& points);
 

@@ -40,7 +40,7 @@ class Cost final : public ceres::CostFunction {
 
   bool Evaluate(double const* const* blocks, double* r, double** jacobians) const override {
     const std::size_t n = problem_.unknowns.size();
-    const std::size_t m = static_cast<std::size_t>(problem_.residuals);
+    const auto m = static_cast<std::size_t>(problem_.residuals);
     std::vector<double> x(n);
     for (std::size_t j = 0; j < n; ++j) x[j] = *blocks[j];
     std::vector<double> dense(jacobians != nullptr ? m * n : 0);

@@ -29,9 +29,13 @@ struct Matrix {
         columns(column_count),
         values(static_cast<std::size_t>(row_count) * static_cast<std::size_t>(column_count)) {}
 
-  double& operator()(int i, int j) { return values[static_cast<std::size_t>(i * columns + j)]; }
-  double operator()(int i, int j) const {
-    return values[static_cast<std::size_t>(i * columns + j)];
+  double& operator()(int i, int j) { return values[index(i, j)]; }
+  double operator()(int i, int j) const { return values[index(i, j)]; }
+
+ private:
+  std::size_t index(int i, int j) const {
+    return static_cast<std::size_t>(i) * static_cast<std::size_t>(columns) +
+           static_cast<std::size_t>(j);
   }
 };
 

@@ -88,13 +88,8 @@ WeightedMean weighted_mean(const std::vector<dem::Estimate>& values) {
 /// Height and mass of one run are two readings of one fitted number, so their errors are fully
 /// correlated within a run.
 MeanBase mean_base(const std::vector<FlowPoint>& points) {
-  std::vector<dem::Estimate> heights, masses;
-  for (const FlowPoint& point : points) {
-    heights.push_back(point.no_slip_height);
-    masses.push_back(point.mass_below);
-  }
-  const WeightedMean height = weighted_mean(heights);
-  const WeightedMean mass = weighted_mean(masses);
+  const WeightedMean height = weighted_mean(collect(points, &FlowPoint::no_slip_height));
+  const WeightedMean mass = weighted_mean(collect(points, &FlowPoint::mass_below));
   MeanBase base{.no_slip_height = height.mean, .mass_below = mass.mean};
   for (std::size_t i = 0; i < points.size(); ++i) {
     base.covariance(0, 1) += height.shares[i] * mass.shares[i] * height.errors[i] * mass.errors[i];
@@ -112,7 +107,7 @@ MeanBase mean_base(const std::vector<FlowPoint>& points) {
   }
   base.notes.push_back(text.str());
   if (height.mean.value < 0.0 || mass.mean.value < 0.0) {
-    base.notes.push_back(
+    base.notes.emplace_back(
         "the velocities point to u = 0 below the base top: the grains slip; the table holds u = 0 "
         "at the base top instead");
     base.no_slip_height.value = std::max(0.0, height.mean.value);

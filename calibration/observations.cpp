@@ -25,13 +25,6 @@ bool complete(const dem::LocalRow& row) {
   return row.normal_stress.value > 0.0;
 }
 
-double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /// "3 rows, z = 0.5 to 2.5 (reason)"; nothing for no rows.
 void report(const dem::LocalData& data,
             const std::vector<std::size_t>& rows,
@@ -200,6 +193,13 @@ std::vector<std::vector<dem::LocalRow>> blocks_for_fit(const dem::LocalData& dat
                  " are needed for standard errors: average over a longer time");
 }
 
+double median(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
 std::vector<dem::LocalRow> mean_without(const std::vector<std::vector<dem::LocalRow>>& blocks,
                                         std::size_t left_out) {
   std::vector<dem::LocalRow> means;
@@ -212,7 +212,7 @@ std::vector<dem::LocalRow> mean_without(const std::vector<std::vector<dem::Local
 }
 
 double jackknife_error(const std::vector<double>& without) {
-  const double n = static_cast<double>(without.size());
+  const auto n = static_cast<double>(without.size());
   const double centre = std::accumulate(without.begin(), without.end(), 0.0) / n;
   double sum = 0.0;
   for (const double value : without) sum += (value - centre) * (value - centre);
@@ -275,6 +275,7 @@ std::vector<double> weight_errors(const std::vector<dem::LocalRow>& rows,
                                   const std::vector<std::size_t>& chosen,
                                   dem::Estimate dem::LocalRow::*field) {
   std::vector<dem::Estimate> estimates;
+  estimates.reserve(chosen.size());
   for (const std::size_t k : chosen) estimates.push_back(rows[k].*field);
   return weight_errors(estimates);
 }

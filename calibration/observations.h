@@ -32,6 +32,9 @@ std::vector<std::vector<dem::LocalRow>> block_rows(const dem::LocalData& data);
 /// fewer than 4 blocks: the scatter of so few says nothing.
 std::vector<std::vector<dem::LocalRow>> blocks_for_fit(const dem::LocalData& data);
 
+/// Middle value (the upper one of two); 0 for none.
+double median(std::vector<double> values);
+
 /// Means over all blocks but one, for the jackknife: values of the fields, without errors.
 std::vector<dem::LocalRow> mean_without(const std::vector<std::vector<dem::LocalRow>>& blocks,
                                         std::size_t left_out);
