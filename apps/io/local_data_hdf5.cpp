@@ -311,7 +311,9 @@ void read_data(const Hdf5Reader& in, LocalData& data) {
 
 void write_run(Hdf5Writer& out, const RunRecord& record) {
   out.group("run");
-  write_fields(out, "run", record.data.summary, run_fields);
+  for (const auto& field : run_fields) {
+    out.attribute("run", field.name, record.data.summary.*field.member);
+  }
   out.attribute("run", "host", record.host);
   out.attribute("run", "date", record.date);
   out.attribute("run", "cores", std::int64_t{record.cores});

@@ -26,6 +26,7 @@ struct RunRecord {
 ///     file = h5py.File("run.h5")
 ///     z, v, error = (file["rows"][name][:] for name in ("z", "velocity", "velocity_error"))
 ///     theta, unit = file["conditions"].attrs["inclination"], file["rows/velocity"].attrs["unit"]
+/// (h5py gives texts as bytes: unit.decode().)
 /// Safe to call from several threads. Throws FileError.
 void write_local_data(const dem::LocalData& data,
                       const SceneFile& scene,
