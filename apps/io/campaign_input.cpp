@@ -8,8 +8,7 @@ namespace grainlaw::io {
 namespace {
 
 std::vector<double> read_tilts(Section& section, std::string_view key, std::string_view meaning) {
-  std::vector<double> tilts =
-      section.read<std::vector<double>>({key, meaning, {"degrees"}, between(-90.0, 90.0)});
+  auto tilts = section.read<std::vector<double>>({key, meaning, {"degrees"}, between(-90.0, 90.0)});
   if (section.has(key) && tilts.empty()) {
     section.problem(key, fmt::format("'{}' is empty: give at least one tilt", key));
   }
@@ -40,7 +39,7 @@ std::string read_keys(InputFile& in, Campaign& campaign) {
   Section top = in.top();
   campaign.title = top.read_or<std::string>(
       {"title", "of the report"}, in.path().stem().string(), "name of the file");
-  std::string scene = top.read<std::string>({"scene", "scene file, relative to this file"});
+  auto scene = top.read<std::string>({"scene", "scene file, relative to this file"});
   Section tilts = in.section("tilts", "Tilts of the scene, each one run");
   campaign.calibrate_tilts = read_tilts(tilts, "calibrate", "runs the law is fitted to");
   campaign.predict_tilts = read_tilts(tilts, "predict", "runs that check the predictions");

@@ -8,6 +8,7 @@
 #include <array>
 #include <bit>
 #include <ctime>
+#include <functional>
 #include <thread>
 
 #include "apps/io/hdf5_file.h"
@@ -30,7 +31,7 @@ struct Field {
   Dimension dimension = {};
 };
 
-constexpr Field<ChuteConditions> condition_fields[] = {
+constexpr auto condition_fields = std::to_array<Field<ChuteConditions>>({
     {"inclination", &ChuteConditions::inclination},
     {"gravity", &ChuteConditions::gravity, dimension::acceleration},
     {"grain_diameter", &ChuteConditions::grain_diameter, dimension::length},
@@ -38,14 +39,14 @@ constexpr Field<ChuteConditions> condition_fields[] = {
     {"stiffness", &ChuteConditions::stiffness, dimension::stiffness},
     {"contact_friction", &ChuteConditions::contact_friction},
     {"mass_per_area", &ChuteConditions::mass_per_area, dimension::mass_per_area},
-};
+});
 
-constexpr Field<SteadyWindow> window_fields[] = {
+constexpr auto window_fields = std::to_array<Field<SteadyWindow>>({
     {"begin", &SteadyWindow::begin, dimension::time},
     {"end", &SteadyWindow::end, dimension::time},
-};
+});
 
-constexpr Field<RunSummary> summary_fields[] = {
+constexpr auto summary_fields = std::to_array<Field<RunSummary>>({
     {"time_step", &RunSummary::time_step, dimension::time},
     {"contact_time", &RunSummary::contact_time, dimension::time},
     {"restitution", &RunSummary::restitution},
@@ -53,21 +54,21 @@ constexpr Field<RunSummary> summary_fields[] = {
     {"deep_overlap_share", &RunSummary::deep_overlap_share},
     {"energy_residual", &RunSummary::energy_residual},
     {"coordination", &RunSummary::coordination},
-};
+});
 
-constexpr Field<RunSummary> run_fields[] = {
+constexpr auto run_fields = std::to_array<Field<RunSummary>>({
     // they differ between equal runs: group /run
     {"wall_seconds", &RunSummary::wall_seconds},
     {"startup_wall_seconds", &RunSummary::startup_wall_seconds},
-};
+});
 
-constexpr Field<LocalRow> row_fields[] = {
+constexpr auto row_fields = std::to_array<Field<LocalRow>>({
     {"z", &LocalRow::z, dimension::length},
     {"mass_above", &LocalRow::mass_above, dimension::mass_per_area},
     {"effective_samples", &LocalRow::effective_samples},
-};
+});
 
-constexpr Field<LocalRow, Estimate> estimate_fields[] = {
+constexpr auto estimate_fields = std::to_array<Field<LocalRow, Estimate>>({
     {"velocity", &LocalRow::velocity, dimension::velocity},
     {"shear_rate", &LocalRow::shear_rate, dimension::rate},
     {"volume_fraction", &LocalRow::volume_fraction},
@@ -77,14 +78,14 @@ constexpr Field<LocalRow, Estimate> estimate_fields[] = {
     {"inertial_number", &LocalRow::inertial_number},
     {"softness", &LocalRow::softness},
     {"friction", &LocalRow::friction},
-};
+});
 
-constexpr Field<ProfileFrame> frame_fields[] = {
+constexpr auto frame_fields = std::to_array<Field<ProfileFrame>>({
     {"begin", &ProfileFrame::begin, dimension::time},
     {"end", &ProfileFrame::end, dimension::time},
     {"centre_of_mass", &ProfileFrame::centre_of_mass, dimension::length},
     {"kinetic_energy", &ProfileFrame::kinetic_energy, {1, 2, -2}},
-};
+});
 
 constexpr std::size_t moments = 20;
 using Moments = std::array<double, moments>;
@@ -97,26 +98,20 @@ std::string symbol(Dimension dimension) {
   return grain_units().symbol(dimension);
 }
 
-template <class T, std::size_t n>
-void write_fields(Hdf5Writer& out,
-                  const std::string& group,
-                  const T& from,
-                  const Field<T> (&fields)[n]) {
-  for (const Field<T>& field : fields) {
+template <class T, class Fields>
+void write_fields(Hdf5Writer& out, const std::string& group, const T& from, const Fields& fields) {
+  for (const auto& field : fields) {
     out.attribute(group, field.name, from.*field.member);
     out.attribute(group, std::string(field.name) + "_unit", symbol(field.dimension));
   }
 }
 
-template <class T, std::size_t n>
-void read_fields(const Hdf5Reader& in,
-                 const std::string& group,
-                 T& to,
-                 const Field<T> (&fields)[n]) {
-  for (const Field<T>& field : fields) to.*field.member = in.number(group, field.name);
+template <class T, class Fields>
+void read_fields(const Hdf5Reader& in, const std::string& group, T& to, const Fields& fields) {
+  for (const auto& field : fields) to.*field.member = in.number(group, field.name);
 }
 
-/// One dataset over all elements of a list, value(element) each.
+/// One dataset over all elements of a list, value of each element.
 template <class T, class Value>
 void write_column(Hdf5Writer& out,
                   const std::string& path,
@@ -124,7 +119,8 @@ void write_column(Hdf5Writer& out,
                   Dimension dimension,
                   Value value) {
   std::vector<double> column;
-  for (const T& element : list) column.push_back(value(element));
+  column.reserve(list.size());
+  for (const T& element : list) column.push_back(std::invoke(value, element));
   out.dataset(path, column, {column.size()});
   out.attribute(path, "unit", symbol(dimension));
 }
@@ -135,22 +131,21 @@ void read_column(const Hdf5Reader& in,
                  std::vector<T>& list,
                  Target target) {
   const std::vector<double> column = in.numbers(path, {list.size()});
-  for (std::size_t k = 0; k < list.size(); ++k) target(list[k]) = column[k];
+  for (std::size_t k = 0; k < list.size(); ++k) std::invoke(target, list[k]) = column[k];
 }
 
 void write_rows(Hdf5Writer& out, const std::vector<LocalRow>& rows) {
   out.group("rows");
-  for (const auto& [name, member, dimension] : row_fields) {
-    write_column(out, std::string("rows/") + name, rows, dimension, [=](const LocalRow& row) {
-      return row.*member;
-    });
+  for (const auto& field : row_fields) {
+    write_column(out, std::string("rows/") + field.name, rows, field.dimension, field.member);
   }
-  for (const auto& [name, member, dimension] : estimate_fields) {
-    const std::string path = std::string("rows/") + name;
-    write_column(
-        out, path, rows, dimension, [=](const LocalRow& row) { return (row.*member).value; });
-    write_column(out, path + "_error", rows, dimension, [=](const LocalRow& row) {
-      return (row.*member).error;
+  for (const auto& field : estimate_fields) {
+    const std::string path = std::string("rows/") + field.name;
+    write_column(out, path, rows, field.dimension, [&field](const LocalRow& row) {
+      return (row.*field.member).value;
+    });
+    write_column(out, path + "_error", rows, field.dimension, [&field](const LocalRow& row) {
+      return (row.*field.member).error;
     });
   }
 }
@@ -163,16 +158,16 @@ std::size_t length_of(const Hdf5Reader& in, const std::string& path) {
 
 std::vector<LocalRow> read_rows(const Hdf5Reader& in) {
   std::vector<LocalRow> rows(length_of(in, "rows/z"));
-  for (const auto& [name, member, dimension] : row_fields) {
-    read_column(in, std::string("rows/") + name, rows, [=](LocalRow& row) -> double& {
-      return row.*member;
-    });
+  for (const auto& field : row_fields) {
+    read_column(in, std::string("rows/") + field.name, rows, field.member);
   }
-  for (const auto& [name, member, dimension] : estimate_fields) {
-    const std::string path = std::string("rows/") + name;
-    read_column(in, path, rows, [=](LocalRow& row) -> double& { return (row.*member).value; });
+  for (const auto& field : estimate_fields) {
+    const std::string path = std::string("rows/") + field.name;
     read_column(
-        in, path + "_error", rows, [=](LocalRow& row) -> double& { return (row.*member).error; });
+        in, path, rows, [&field](LocalRow& row) -> double& { return (row.*field.member).value; });
+    read_column(in, path + "_error", rows, [&field](LocalRow& row) -> double& {
+      return (row.*field.member).error;
+    });
   }
   return rows;
 }
@@ -218,12 +213,9 @@ void write_frames(Hdf5Writer& out, const ProfileFrames& frames) {
   out.group("frames");
   out.attribute("frames", "z_begin", frames.z_begin);
   out.attribute("frames", "bin_width", frames.bin_width);
-  for (const auto& [name, member, dimension] : frame_fields) {
-    write_column(out,
-                 std::string("frames/") + name,
-                 frames.frames,
-                 dimension,
-                 [=](const ProfileFrame& frame) { return frame.*member; });
+  for (const auto& field : frame_fields) {
+    write_column(
+        out, std::string("frames/") + field.name, frames.frames, field.dimension, field.member);
   }
   std::vector<std::int64_t> samples;
   std::vector<std::int64_t> bins;
@@ -242,10 +234,8 @@ ProfileFrames read_frames(const Hdf5Reader& in) {
   frames.bin_width = in.number("frames", "bin_width");
   std::vector<ProfileFrame>& list = frames.frames;
   list.resize(length_of(in, "frames/begin"));
-  for (const auto& [name, member, dimension] : frame_fields) {
-    read_column(in, std::string("frames/") + name, list, [=](ProfileFrame& frame) -> double& {
-      return frame.*member;
-    });
+  for (const auto& field : frame_fields) {
+    read_column(in, std::string("frames/") + field.name, list, field.member);
   }
   const auto samples = in.integers("frames/samples", {list.size()});
   for (std::size_t f = 0; f < list.size(); ++f) list[f].samples = static_cast<int>(samples[f]);

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <nlohmann/json.hpp>
 
 namespace grainlaw::io {
@@ -16,7 +17,7 @@ struct Column {
   double ProfileRow::*member;
   Dimension dimension;
 };
-constexpr Column columns[] = {
+constexpr auto columns = std::to_array<Column>({
     {"z", &ProfileRow::z, dimension::length},
     {"mass_above", &ProfileRow::mass_above, dimension::mass_per_area},
     {"velocity", &ProfileRow::velocity, dimension::velocity},
@@ -27,7 +28,7 @@ constexpr Column columns[] = {
     {"inertial_number", &ProfileRow::inertial_number, dimension::number},
     {"velocity_error", &ProfileRow::velocity_error, dimension::velocity},
     {"volume_fraction_error", &ProfileRow::volume_fraction_error, dimension::number},
-};
+});
 
 /// One number that holds for the whole profile.
 struct Total {
@@ -35,12 +36,12 @@ struct Total {
   double Profile::*member;
   Dimension dimension;
 };
-constexpr Total totals[] = {
+constexpr auto totals = std::to_array<Total>({
     {"height", &Profile::height, dimension::length},
     {"surface_velocity", &Profile::surface_velocity, dimension::velocity},
     {"flux", &Profile::flux, dimension::flux},
     {"plug_mass", &Profile::plug_mass, dimension::mass_per_area},
-};
+});
 
 std::string range_text(const continuum::RangeFlag& flag) {
   return fmt::format(

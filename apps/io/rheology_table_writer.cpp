@@ -32,6 +32,7 @@ std::string in_quotes(std::string_view text) {
 
 std::string list(const std::vector<std::string>& texts) {
   std::vector<std::string> items;
+  items.reserve(texts.size());
   for (const std::string& text : texts) items.push_back(in_quotes(text));
   return fmt::format("[{}]", joined(items, ", "));
 }

@@ -29,9 +29,7 @@ std::size_t character_bytes(std::string_view text) {
                                                             : 0;
   if (bytes > text.size()) return 0;
   const auto continues = [](char c) { return (static_cast<unsigned char>(c) & 0xc0) == 0x80; };
-  return std::all_of(text.begin() + 1, text.begin() + std::max<std::ptrdiff_t>(1, bytes), continues)
-             ? bytes
-             : 0;
+  return std::ranges::all_of(text.substr(1, bytes > 1 ? bytes - 1 : 0), continues) ? bytes : 0;
 }
 
 bool prints(std::string_view character) {

@@ -25,7 +25,7 @@ std::vector<std::string> factors(Dimension d, const std::array<std::string, 3>& 
 std::string product(Dimension d, const std::array<std::string, 3>& symbols) {
   const std::vector<std::string> above = factors(d, symbols, 1);
   const std::vector<std::string> below = factors(d, symbols, -1);
-  const std::string numerator = above.empty() ? "1" : joined(above, " ");
+  std::string numerator = above.empty() ? "1" : joined(above, " ");
   if (below.empty()) return numerator;
   if (below.size() == 1) return fmt::format("{}/{}", numerator, below.front());
   return fmt::format("{}/({})", numerator, joined(below, " "));
@@ -37,14 +37,14 @@ struct FixedKey {
   const char* key;
   const char* sentence;
 };
-constexpr FixedKey fixed_keys[] = {
+constexpr auto fixed_keys = std::to_array<FixedKey>({
     {"grain", "diameter", "is 1 in units = \"grain\", whose length is the grain diameter"},
     {"grain", "density", "is 6/pi in units = \"grain\", whose mass is the mass of a grain"},
     {"grain", "gravity", "is 1 in units = \"grain\", whose acceleration is gravity"},
     {"stiffness", "diameter", "is 1 in units = \"stiffness\", whose length is the grain diameter"},
     {"stiffness", "density", "is 1 in units = \"stiffness\", whose density is that of the grains"},
     {"stiffness", "stiffness", "is 1 in units = \"stiffness\", that of the contact"},
-};
+});
 
 const FixedKey* fixed(const std::string& set, std::string_view key) {
   for (const FixedKey& line : fixed_keys) {
