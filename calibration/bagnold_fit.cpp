@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <sstream>
 
 #include "calibration/differentiate.h"
 #include "calibration/least_squares.h"
@@ -200,6 +201,18 @@ Solved solve(const BagnoldInput& input, const std::optional<double>& fixed_mass_
   return solved;
 }
 
+/// Residuals far beyond their errors mean a law that is not this one, which no scatter of the data
+/// can show in the errors of its coefficients.
+void note_misfit(FitSummary& summary) {
+  const double rms = std::sqrt(summary.chi_squared / summary.data);
+  if (rms <= 2.0) return;
+  std::ostringstream text;
+  text << "the residuals are " << rms
+       << " standard errors on average: the law does not follow the profile to within its scatter; "
+          "the errors of the coefficients hold the scatter only";
+  summary.notes.push_back(text.str());
+}
+
 FitSummary summarise(const Solved& solved,
                      const std::vector<std::string>& names,
                      const BagnoldInput& input,
@@ -218,6 +231,7 @@ FitSummary summarise(const Solved& solved,
                             " is held at its bound, the free optimum lies beyond; its error is "
                             "one-sided");
   }
+  note_misfit(summary);
   return summary;
 }
 

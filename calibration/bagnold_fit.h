@@ -23,8 +23,10 @@ struct BagnoldFit {
 
 /// Fits a, b and the effective no-slip height jointly to the velocity profile (cancellation-free
 /// form of Brewster eq. 9, velocity relative to measured bulk density) and to the pairs of shear
-/// stress and shear rate; tau_c = 0 without cohesion. Throws FitError when the run is not steady or
-/// has fewer than 4 usable rows.
+/// stress and shear rate; tau_c = 0 without cohesion. Weights are the standard errors of the rows;
+/// errors of the coefficients come from the scatter of all rows together over independent blocks of
+/// the run, since neighbouring rows are strongly correlated. Throws FitError when the run is not
+/// steady, has fewer than 4 usable rows, or frames for fewer than 4 blocks.
 BagnoldFit fit_bagnold(const dem::LocalData& data, const RowSelection& selection = {});
 
 }  // namespace grainlaw::calibration

@@ -32,6 +32,7 @@ struct ProfileError {
   double in_standard_errors = 0.0;  ///< root mean square velocity residual over its standard error
 };
 
+/// Errors are NaN without frames to make blocks from. Throws FitError when one side has no rows.
 ProfileError profile_error(const dem::LocalData& measured, const continuum::Profile& predicted);
 
 /// Velocity of a continuum profile at height z, 0 below its no-slip height, the surface value
@@ -52,6 +53,8 @@ struct TransientError {
       0.0;  ///< L2 of u(z) at this time over the L2 of the steady measured profile
 };
 
+/// One row for each snapshot whose time lies in a frame. Frames are means over time: ask for
+/// snapshots at their middle.
 std::vector<TransientError> transient_error(const dem::LocalData& measured,
                                             const std::vector<continuum::Snapshot>& predicted);
 
