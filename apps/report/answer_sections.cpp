@@ -30,10 +30,6 @@ Table answer_table(const Report& report) {
   return result;
 }
 
-std::string interval(double lower, double upper) {
-  return significant(lower, 3) + " to " + significant(upper, 3);
-}
-
 Table flag_table(const Report& report) {
   Table result{.caption = "Predictions outside the range of the data."_html,
                .head = {"Run"_html,

@@ -11,13 +11,14 @@ namespace {
 
 using calibration::FitSummary;
 
-dem::Estimate value_of(const FitSummary& fit, std::string_view name) {
+/// Value and error of a coefficient; a dagger marks one that the data push against its bound.
+Html value_cell(const FitSummary& fit, std::string_view name) {
   for (const calibration::FittedCoefficient& coefficient : fit.coefficients) {
-    if (coefficient.name == name) {
-      return {.value = coefficient.value, .error = coefficient.error};
-    }
+    if (coefficient.name != name) continue;
+    const std::string number = with_error({.value = coefficient.value, .error = coefficient.error});
+    return text(coefficient.at_bound ? number + " †" : number);
   }
-  return {};
+  return text("–");
 }
 
 /// p* in the middle of the measured rows.
@@ -44,10 +45,10 @@ std::vector<Html> free_row(const Report& report, const RunComparison& run) {
   const calibration::BagnoldFit& fit = *run.own_bagnold;
   return {run_label(run),
           text("free"),
-          text(with_error(value_of(fit.summary, "a"))),
-          text(with_error(value_of(fit.summary, "b"))),
+          value_cell(fit.summary, "a"),
+          value_cell(fit.summary, "b"),
           text(with_error(fit.ratio_mid_depth)),
-          text(with_error(value_of(fit.summary, "no_slip_height"))),
+          value_cell(fit.summary, "no_slip_height"),
           text(with_error(implied_a(report, run.data))),
           error_cell(run.own_bagnold_error),
           error_cell(run.foreign_bagnold_error),
@@ -57,8 +58,8 @@ std::vector<Html> free_row(const Report& report, const RunComparison& run) {
 std::vector<Html> fixed_row(const calibration::BagnoldFit& fit) {
   return {Html{},
           text("fixed at 0"),
-          text(with_error(value_of(fit.fixed_base_summary, "a"))),
-          text(with_error(value_of(fit.fixed_base_summary, "b"))),
+          value_cell(fit.fixed_base_summary, "a"),
+          value_cell(fit.fixed_base_summary, "b"),
           text(with_error(fit.ratio_mid_depth_fixed)),
           text("0"),
           Html{},
@@ -76,7 +77,7 @@ Table bagnold_table(const Report& report, const std::string& units) {
   Table result{.caption =
                    "Closure (A), <i>τ</i> − <i>τ<sub>c</sub></i> = <i>a</i> <i>γ̇</i>² + <i>b</i> "
                    "<i>γ̇</i>, fitted to every run by itself. Errors of <i>u</i>: relative "
-                   "<i>L</i><sub>2</sub>, in %."_html,
+                   "<i>L</i><sub>2</sub>, in %. † at its bound, error one-sided."_html,
                .head = {"Run"_html,
                         "<i>z</i><sub>0</sub>"_html,
                         a + unit("a", units),

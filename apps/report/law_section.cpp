@@ -34,11 +34,12 @@ std::vector<Html> value_cells(const dem::Estimate& estimate) {
 
 Html fit_caption(const std::string& law, const FitSummary& fit) {
   const double freedom = fit.data - static_cast<double>(fit.coefficients.size());
-  std::string words = fmt::format("{}: {} data, χ² = {} for {:.0f} degrees of freedom, {}.",
+  std::string words = fmt::format("{}: {} data, χ² = {} for {:.0f} {} of freedom, {}.",
                                   law,
                                   fit.data,
                                   significant(fit.chi_squared, 3),
                                   freedom,
+                                  freedom == 1.0 ? "degree" : "degrees",
                                   fit.converged ? "converged" : "NOT converged");
   if (!fit.converged) words += " " + fit.termination;
   return text(words);
@@ -120,14 +121,21 @@ Html sentences(const std::vector<std::string>& lines) {
 }
 
 Html remarks(const FitSummary& fit) {
-  return sentences(fit.not_identifiable) + sentences(fit.left_out);
+  Html result = sentences(fit.not_identifiable);
+  if (!fit.left_out.empty()) {
+    result += R"(<div class="aside">Left out of the fit:)"_html + sentences(fit.left_out) +
+              "</div>\n"_html;
+  }
+  return result;
 }
 
+/// What was left out stands with the fits; here only what a reader must know of the points.
 Html point_remarks(const std::vector<calibration::FlowPoint>& points) {
   std::vector<std::string> lines;
   for (const calibration::FlowPoint& point : points) {
-    for (const std::string& note : point.notes) lines.push_back(point.name + ": " + note);
-    for (const std::string& row : point.left_out) lines.push_back(point.name + ": " + row);
+    for (const std::string& note : point.notes) {
+      lines.push_back(note.starts_with(point.name) ? note : point.name + ": " + note);
+    }
   }
   return sentences(lines);
 }

@@ -58,6 +58,12 @@ std::string significant(double value, int digits) {
   return fixed(value / std::pow(10.0, power), digits - 1) + power_of_ten(power);
 }
 
+std::string interval(double lower, double upper) {
+  const std::string first = significant(lower, 3);
+  const std::string last = significant(upper, 3);
+  return first == last ? first : first + " to " + last;
+}
+
 std::string with_error(const dem::Estimate& estimate) {
   const auto [value, error] = estimate;
   if (!std::isfinite(value)) return std::string(absent);
@@ -95,7 +101,7 @@ std::string degrees(double radians) {
 std::string duration(double seconds) {
   if (!std::isfinite(seconds)) return std::string(absent);
   if (seconds < 1.0) return significant(1000.0 * seconds, 2) + " ms";
-  if (seconds < 100.0) return significant(seconds, 3) + " s";
+  if (seconds < 60.0) return significant(seconds, 3) + " s";
   const long whole = std::lround(seconds);
   if (whole < 3600) return fmt::format("{} min {:02} s", whole / 60, whole % 60);
   return fmt::format("{} h {:02} min", whole / 3600, whole % 3600 / 60);

@@ -13,6 +13,9 @@ std::string significant(double value, int digits = 3);
 /// Number with the given decimals; negative ones round to tens, hundreds, ...
 std::string fixed(double value, int decimals);
 
+/// "0.041 to 0.206"; one number where both ends read the same.
+std::string interval(double lower, double upper);
+
 /// "0.3672 ± 0.0021": value rounded to the second digit of its standard error. Without an error
 /// the value with 4 digits.
 std::string with_error(const dem::Estimate& estimate);

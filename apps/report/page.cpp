@@ -91,7 +91,7 @@ std::string page(const Report& report, const Figures& figures, const Pictures& p
                     start_section(report, figures.starts, pictures) + bagnold_section(report) +
                     time_section(report, figures.time, pictures) + cost_section(report) +
                     health_section(report) + answer_section(report) + reading_section();
-  return "<!doctype html>\n<html lang=\"en\">\n" + head(report).markup + "<body>\n" + body.markup +
+  return "<!DOCTYPE html>\n<html lang=\"en\">\n" + head(report).markup + "<body>\n" + body.markup +
          "</body>\n</html>\n";
 }
 

@@ -40,7 +40,8 @@ struct TimeErrorPoint {
   dem::Estimate mu0;              ///< as fitted from this much data
   double law_error = 0.0;  ///< largest relative difference of I(theta) over the fitted tilts from
                            ///< the fit to all data
-  double law_standard_error = 0.0;  ///< relative, of I at the middle tilt, as the fit claims
+  double law_standard_error = 0.0;  ///< of I at the tilt of that largest difference, relative, as
+                                    ///< the fit claims
   /// Relative L2 velocity error of every run, in the order of Report::runs; NaN: no answer.
   std::vector<double> profile_error;
   std::vector<double> profile_standard_error;  ///< of profile_error; empty: not stated

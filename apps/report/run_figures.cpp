@@ -17,6 +17,7 @@ struct Files {
 /// One of the three quantities shown against height.
 struct Quantity {
   std::string name;    ///< of the file
+  std::string label;   ///< in words
   std::string column;  ///< in all CSV files
   std::string axis;    ///< gnuplot enhanced text
   std::string range;   ///< further gnuplot lines
@@ -105,29 +106,41 @@ std::vector<Quantity> quantities(const RunComparison& run) {
   const double friction = std::tan(run.data.conditions.inclination);
   const bool band = has_band(run);
   return {{"velocity",
+           "Velocity",
            "velocity [sqrt(g d)]",
            "{/:Italic v_x} / √({/:Italic gd})",
            "set xrange [0:*]\n",
            band},
           {"volume_fraction",
+           "Volume fraction",
            "phi",
            "{/:Italic φ}",
            range_around(bulk_volume_fraction(run.data)),
            band},
           {"friction",
+           "Friction",
            "mu",
            "{/:Italic μ} = {/:Italic σ_{xz}} / {/:Italic σ_{zz}}",
            range_around(friction),
            false}};
 }
 
+/// Upper end of the height axis, the same for the quantities of one run [d].
+double top(const RunComparison& run) {
+  const double highest = std::max(run.data.rows.back().z, run.steady.profile.height);
+  return std::ceil(highest / scales(run.data.conditions).length + 0.5);
+}
+
 std::string script(const std::string& name,
                    const Quantity& quantity,
                    const Files& files,
-                   bool predicted) {
+                   const RunComparison& run) {
+  const bool predicted = !run.steady.profile.rows.empty();
   std::string result = plot_head(name);
   result += "set xlabel '" + quantity.axis + "'\n";
-  result += "set ylabel '{/:Italic z} / {/:Italic d}'\nset yrange [0:*]\n" + quantity.range;
+  result +=
+      "set ylabel '{/:Italic z} / {/:Italic d}'\nset yrange [0:" + fmt::format("{:.4g}", top(run)) +
+      "]\n" + quantity.range;
   result += "plot ";
   if (quantity.band) {
     result += fmt::format(
@@ -155,8 +168,8 @@ std::string script(const std::string& name,
 
 Html caption(const Quantity& quantity) {
   if (quantity.name == "velocity") return "Velocity"_html;
-  if (quantity.name == "friction") return "Friction"_html;
-  return "Volume fraction"_html;
+  if (quantity.name == "friction") return "Friction, axis ± 20 %"_html;
+  return "Volume fraction, axis bulk ± 20 %"_html;
 }
 
 }  // namespace
@@ -172,11 +185,10 @@ FigureGroup profile_figures(const RunComparison& run, std::size_t number) {
   if (has_band(run)) group.data[files.band] = band_outline(predicted);
   for (const Quantity& quantity : quantities(run)) {
     const std::string name = stem + "_" + quantity.name;
-    group.figures.push_back(
-        {.name = name,
-         .script = script(name, quantity, files, !predicted.rows.empty()),
-         .label = caption(quantity).markup + " against height, " + run_title(run),
-         .caption = caption(quantity)});
+    group.figures.push_back({.name = name,
+                             .script = script(name, quantity, files, run),
+                             .label = quantity.label + " against height, " + run_title(run),
+                             .caption = caption(quantity)});
   }
   return group;
 }

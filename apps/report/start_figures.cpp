@@ -105,11 +105,11 @@ std::string mean_velocity_script(const std::string& name) {
 set ylabel 'mean {{/:Italic v_x}} / √({{/:Italic gd}})'
 set xrange [0:*]
 set yrange [0:*]
-plot '{0}.csv' using "t [sqrt(d/g)]":"DEM [sqrt(g d)]" with points {1} title 'DEM', \
+plot '{0}.csv' using "t [sqrt(d/g)]":"DEM [sqrt(g d)]" with points pt 7 ps 0.3 lc rgb '{1}' title 'DEM', \
      '{0}.csv' using "t [sqrt(d/g)]":"continuum [sqrt(g d)]" with lines lw 1.6 lc rgb 'black' title 'continuum'
 )",
                      name,
-                     point_style(0));
+                     colour::measured);
 }
 
 std::string error_script(const std::string& name, const std::string& data) {
@@ -118,10 +118,10 @@ std::string error_script(const std::string& name, const std::string& data) {
 set ylabel '{{/:Italic L}}_2 error / steady {{/:Italic L}}_2 [%]'
 set xrange [0:*]
 set yrange [0:*]
-plot '{0}.csv' using "t [sqrt(d/g)]":(100 * column("velocity error [steady L2]")) with linespoints {1} notitle
+plot '{0}.csv' using "t [sqrt(d/g)]":(100 * column("velocity error [steady L2]")) with lines lw 1.2 lc rgb '{1}' notitle
 )",
                      data,
-                     point_style(1));
+                     colour::predicted);
 }
 
 std::string profile_script(const std::string& name,
@@ -136,7 +136,7 @@ std::string profile_script(const std::string& name,
   for (std::size_t k = 0; k < times.size(); ++k) {
     const std::string points = fmt::format("points {} title '{{/:Italic t}} = {}'",
                                            point_style(k),
-                                           fmt::format("{:.4g}", times[k] / time_unit));
+                                           fmt::format("{:.3g}", times[k] / time_unit));
     const std::string lines = "lines " + line_style(k) + " notitle";
     result += k > 0 ? ", \\\n     " : "";
     result += fmt::format(fmt::runtime(part), name, "dem", k + 1, points) + ", \\\n     ";

@@ -46,6 +46,8 @@ dl.summary dd { margin: 0; }
 @media (max-width: 40rem) { dl.summary { display: block; } dl.summary dd { margin-bottom: 0.6rem; } }
 .note { border-left: 3px solid #d0541b; padding: 0.1rem 0 0.1rem 0.9rem; margin: 1.2rem 0;
   max-width: 60rem; }
+.aside { color: var(--soft); font-size: 0.88rem; }
+.aside ul { margin: 0.2rem 0 1rem; }
 .scroll { overflow-x: auto; margin: 1rem 0 1.4rem; }
 table { border-collapse: collapse; border-top: 1.5px solid var(--ink);
   border-bottom: 1.5px solid var(--ink); font: 0.84rem/1.35 system-ui, "Segoe UI", Roboto,

@@ -146,22 +146,38 @@ Line answers_line(const Report& report) {
   return {"Answers"_html, join(parts, ", "_html) + end};
 }
 
-Line range_line(const Report& report) {
-  std::vector<Html> parts;
+/// Flags of one quantity over all runs.
+struct Excursion {
+  std::string tilts;
+  continuum::RangeFlag widest;
+};
+
+std::map<std::string, Excursion> excursions(const Report& report) {
+  std::map<std::string, Excursion> result;
   for (const RunComparison& run : report.runs) {
     for (const continuum::RangeFlag& flag : run.steady.answer.out_of_domain) {
-      parts.push_back(
-          text(fmt::format("{}: {} reaches {} (data end at {})",
-                           degrees(run.data.conditions.inclination),
-                           flag.quantity,
-                           flag.reached_highest > flag.upper ? significant(flag.reached_highest, 3)
-                                                             : significant(flag.reached_lowest, 3),
-                           flag.reached_highest > flag.upper ? significant(flag.upper, 3)
-                                                             : significant(flag.lower, 3))));
+      auto& [tilts, widest] = result.try_emplace(flag.quantity, Excursion{{}, flag}).first->second;
+      tilts += (tilts.empty() ? "" : ", ") + degrees(run.data.conditions.inclination);
+      widest.reached_lowest = std::min(widest.reached_lowest, flag.reached_lowest);
+      widest.reached_highest = std::max(widest.reached_highest, flag.reached_highest);
     }
   }
-  if (parts.empty())
+  return result;
+}
+
+Line range_line(const Report& report) {
+  std::vector<Html> parts;
+  for (const auto& [quantity, excursion] : excursions(report)) {
+    const continuum::RangeFlag& flag = excursion.widest;
+    parts.push_back(text(fmt::format("{} at {} (reached {}, data {})",
+                                     quantity,
+                                     excursion.tilts,
+                                     interval(flag.reached_lowest, flag.reached_highest),
+                                     interval(flag.lower, flag.upper))));
+  }
+  if (parts.empty()) {
     return {"Range"_html, "Every prediction stays inside the range of the data."_html};
+  }
   return {"Outside the data"_html, join(parts, "; "_html) + "."_html};
 }
 
@@ -204,6 +220,7 @@ std::vector<Line> lines(const Report& report) {
   add(error_line(report, SampleKind::in_sample, "In sample"_html));
   add(error_line(report, SampleKind::interpolation, "Interpolation"_html));
   add(error_line(report, SampleKind::extrapolation, "Extrapolation"_html));
+  if (report.runs.empty()) return result;
   add(start_line(report));
   add(answers_line(report));
   add(range_line(report));

@@ -72,8 +72,25 @@ std::string guide(const Csv& csv, std::size_t x, std::size_t first_column, std::
   return {};
 }
 
-/// Range over the columns first, first + step, ... below end, with a margin for the marks.
-std::string value_range(const Csv& csv, std::size_t first, std::size_t step, std::size_t end) {
+/// A logarithmic axis with labels close enough for its span; left to itself gnuplot labels powers
+/// of ten only, of which a short axis holds one or none.
+std::string log_axis(char axis, double lower, double upper) {
+  const double span = upper / lower;
+  const std::vector<double> digits = span < 6.0    ? std::vector{1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0}
+                                     : span < 60.0 ? std::vector{1.0, 2.0, 5.0}
+                                                   : std::vector{1.0};
+  std::string tics;
+  for (double decade = 1e-6; decade < 1e7; decade *= 10.0) {
+    for (const double digit : digits) {
+      tics += fmt::format("{}{:.3g}", tics.empty() ? "" : ", ", digit * decade);
+    }
+  }
+  return fmt::format(
+      "set {0}range [{1:.4g}:{2:.4g}]\nset {0}tics ({3})\n", axis, lower, upper, tics);
+}
+
+/// Axis over the columns first, first + step, ... below end, with a margin for the marks.
+std::string value_axis(const Csv& csv, std::size_t first, std::size_t step, std::size_t end) {
   double lowest = nan;
   double highest = nan;
   for (const std::vector<double>& row : csv.rows) {
@@ -82,19 +99,7 @@ std::string value_range(const Csv& csv, std::size_t first, std::size_t step, std
       highest = std::fmax(highest, row[k]);
     }
   }
-  return lowest > 0.0 ? fmt::format("set yrange [{:.3g}:{:.3g}]\n", 0.6 * lowest, 1.6 * highest)
-                      : std::string{};
-}
-
-/// Tics at 1, 2, 5 of every decade: the axes span a decade or less, where gnuplot labels one tic.
-std::string tics() {
-  std::string result;
-  for (int power = -5; power <= 6; ++power) {
-    for (const int digit : {1, 2, 5}) {
-      result += fmt::format("{}{:g}", result.empty() ? "" : ", ", digit * std::pow(10.0, power));
-    }
-  }
-  return result;
+  return lowest > 0.0 ? log_axis('y', 0.6 * lowest, 1.6 * highest) : std::string{};
 }
 
 constexpr const char* time_label = "averaging time / √({/:Italic d}/{/:Italic g})";
@@ -104,21 +109,15 @@ std::string head(const std::string& name,
                  std::size_t x,
                  const std::string& x_label,
                  const std::string& y_label) {
-  return plot_head(name) +
-         fmt::format(
-             "set tmargin at screen 0.80\nset logscale xy\nset xtics ({0})\nset ytics ({0})\n"
-             "set xlabel '{1}'\nset ylabel '{2}'\nset xrange [{3:.4g}:{4:.4g}]\n",
-             tics(),
-             x_label,
-             y_label,
-             0.8 * csv.rows.front()[x],
-             1.25 * csv.rows.back()[x]);
+  return plot_head(name) + "set tmargin at screen 0.80\nset logscale xy\n" +
+         log_axis('x', 0.8 * csv.rows.front()[x], 1.25 * csv.rows.back()[x]) +
+         fmt::format("set xlabel '{}'\nset ylabel '{}'\n", x_label, y_label);
 }
 
 std::string law_script(const std::string& name, const Csv& csv) {
   const std::string shown = guide(csv, 0, 3, csv.columns.size());
   return head(name, csv, 0, time_label, "relative error of {/:Italic I}") +
-         value_range(csv, 2, 1, 4) +
+         value_axis(csv, 2, 1, 4) +
          fmt::format(
              "plot {3}'{0}' using \"{1}\":\"law standard error\" with linespoints "
              "lw 1.3 dt (6,4) {4} title 'claimed s.e.', \\\n     "
@@ -163,7 +162,7 @@ std::string profile_script(const Report& report,
     parts += (parts.empty() ? "" : ", \\\n     ") + run_part(report, csv, x, k);
   }
   return head(name, csv, x, label, "velocity error, relative {/:Italic L}_2") +
-         value_range(csv, 4, 2, csv.columns.size()) + "plot " + parts + "\n";
+         value_axis(csv, 4, 2, csv.columns.size()) + "plot " + parts + "\n";
 }
 
 }  // namespace
@@ -177,12 +176,12 @@ FigureGroup time_figures(const Report& report) {
   }
   const Csv csv = error_csv(report);
   group.data[data_file] = csv;
-  group.figures.push_back({.name = "error_law_time",
-                           .script = law_script("error_law_time", csv),
-                           .label = "Error of the law against DEM averaging time",
-                           .caption =
-                               "Law: largest difference of <i>I</i>(<i>θ</i>) from the fit to all "
-                               "data, and the standard error that each fit claims"_html});
+  group.figures.push_back(
+      {.name = "error_law_time",
+       .script = law_script("error_law_time", csv),
+       .label = "Error of the law against DEM averaging time",
+       .caption = "Law: largest difference of <i>I</i>(<i>θ</i>) from the fit to all "
+                  "data, which shares their data, and the standard error each fit claims"_html});
   if (guide(csv, 0, 4, 2).empty()) return group;  // no profile to compare
   group.figures.push_back({.name = "error_profile_time",
                            .script = profile_script(report, "error_profile_time", csv, 0),
