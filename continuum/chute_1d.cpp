@@ -11,17 +11,19 @@
 #include "continuum/ode_solver.h"
 #include "continuum/range_flags.h"
 #include "continuum/shear_layer.h"
+#include "continuum/steady_profile.h"
 
 namespace grainlaw::continuum {
 namespace {
 
 constexpr long largest_number_of_steps = 1'000'000;
+constexpr double settling_times_allowed = 5.0;
 
 void require(bool holds, const char* name, double value, const char* bound) {
   if (!holds) throw std::invalid_argument(fmt::format("{} = {} must be {}", name, value, bound));
 }
 
-void check(const TransientOptions& options, bool regularised) {
+void check(const TransientOptions& options) {
   require(options.cells >= 2, "cells", options.cells, "at least 2");
   require(options.grading >= 1.0 && options.grading <= 4.0,
           "grading",
@@ -41,11 +43,11 @@ void check(const TransientOptions& options, bool regularised) {
           "between 0 and 1");
   require(options.time_limit >= 0.0, "time_limit", options.time_limit, "0 (chosen) or positive");
   // a smaller delta lets the solver report success with a wrong flow
-  if (regularised)
-    require(options.yield_regularisation >= 100.0 * options.absolute_tolerance,
-            "yield_regularisation",
-            options.yield_regularisation,
-            "at least 100 absolute_tolerance");
+  const double least = 100.0 * options.absolute_tolerance;
+  require(options.yield_regularisation == 0.0 || options.yield_regularisation >= least,
+          "yield_regularisation",
+          options.yield_regularisation,
+          "0 (chosen) or at least 100 absolute_tolerance");
 }
 
 /// Output times in solver units, ascending.
@@ -61,6 +63,15 @@ std::vector<double> sorted_times(const TransientOptions& options, double unit) {
 
 bool is_flow(Outcome outcome) {
   return outcome == Outcome::steady || outcome == Outcome::plug;
+}
+
+/// delta of the regularised yield stress; 0 where none is needed.
+double regularisation(const Layer& layer, const TransientOptions& options, Outcome ahead) {
+  if (!needs_regularisation(layer)) return 0.0;
+  if (options.yield_regularisation > 0.0) return options.yield_regularisation;
+  const double tau = layer.driving_stress(layer.mass);
+  const double q = is_flow(ahead) ? layer.curve(layer.mass).scaled_rate(tau).value() : 1.0;
+  return std::max(1e-4 * q, 100.0 * options.absolute_tolerance);
 }
 
 /// Time a linear response needs to fall to the steady residual, in units d = rho_p = g = 1; none
@@ -96,15 +107,16 @@ struct Start {
   void take_snapshot(double time, const Profile& profile);
   Profile profile(std::span<const double> q) const;
   Outcome outcome(End end) const;
-  std::string text(std::span<const double> q) const;
+  std::string text(End end, std::span<const double> q, const Profile& last) const;
+  std::string regularisation_text(End end, std::span<const double> q, const Profile& last) const;
 };
 
 double Start::time_limit() const {
   if (options.time_limit > 0.0) return options.time_limit / layer.units.time;
   // Without a steady state, M^1.5 sets the scale: a Bagnold flow of I = 0.1 takes that long to
   // reach its speed I M^1.5 at an acceleration of 0.1.
-  const double chosen =
-      is_flow(verdict.outcome) ? 5.0 * settling_time : 25.0 * std::pow(layer.mass, 1.5);
+  const double chosen = is_flow(verdict.outcome) ? settling_times_allowed * settling_time
+                                                 : 25.0 * std::pow(layer.mass, 1.5);
   return output_times.empty() ? chosen : std::max(chosen, output_times.back());
 }
 
@@ -141,6 +153,7 @@ bool Start::settled(const OdeSolver& solver) const {
 }
 
 End Start::integrate(OdeSolver& solver) {
+  double next_tightening = 2.0 * settling_time;
   for (long steps = 0; steps < largest_number_of_steps; ++steps) {
     const auto last = solver.step();
     take_snapshots(solver);
@@ -149,6 +162,12 @@ End Start::integrate(OdeSolver& solver) {
         options.stop_when_steady && result.snapshots.size() == output_times.size();
     if ((may_stop || last == OdeSolver::Step::end) && settled(solver)) return End::steady;
     if (last == OdeSolver::Step::end) return End::time_limit;
+    // what is left after so long is the noise of the solver, not the relaxation of the flow
+    if (may_stop && solver.time() >= next_tightening &&
+        next_tightening < settling_times_allowed * settling_time) {
+      solver.tighten(0.1);
+      next_tightening += settling_time;
+    }
   }
   return End::step_limit;
 }
@@ -162,7 +181,7 @@ Outcome Start::outcome(End end) const {
   return is_flow(verdict.outcome) ? Outcome::not_converged : verdict.outcome;
 }
 
-std::string Start::text(std::span<const double> q) const {
+std::string Start::text(End end, std::span<const double> q, const Profile& last) const {
   std::string text = fmt::format(
       "{}; at t = {:.4g} the largest |du/dt| is {:.2g} g sin(theta), the surface gains {:.3g} g, I "
       "is at most {:.4g}",
@@ -172,8 +191,19 @@ std::string Start::text(std::span<const double> q) const {
       system.surface_acceleration(q),
       system.largest_inertial_number(q));
   if (options.cells < 8) text += fmt::format("; only {} cells: a coarse answer", options.cells);
-  if (delta == 0.0) return text;
-  text += fmt::format("; yield stress regularised with delta = {:.1e}", delta);
+  if (delta > 0.0) text += regularisation_text(end, q, last);
+  return text;
+}
+
+std::string Start::regularisation_text(End end,
+                                       std::span<const double> q,
+                                       const Profile& last) const {
+  std::string text = fmt::format("; yield stress regularised with delta = {:.1e}", delta);
+  if (end == End::steady) {
+    const Profile exact = steady_profile(layer, verdict.plug_mass, {.rows = 2});
+    text += fmt::format(", which with the grid changes the surface velocity by {:+.2g} %",
+                        100.0 * (last.surface_velocity / exact.surface_velocity - 1.0));
+  }
   if (const auto edge = system.plug_edge(q); edge.mass > 0.0)
     text += fmt::format(", plug edge at {:.4g} +- {:.1g} of the mass",
                         edge.mass / layer.mass,
@@ -198,7 +228,7 @@ void Start::flow() {
   result.residual = system.largest_acceleration(q) / layer.sine;
   result.statistics = solver.statistics();
   result.answer = {.outcome = outcome(end),
-                   .text = text(q),
+                   .text = text(end, q, last),
                    .out_of_domain = range_flags(layer, table, last),
                    .condition_number = verdict.condition_number};
 }
@@ -211,9 +241,9 @@ TransientChute start_from_rest(const RheologyTable& table,
   const auto started = std::chrono::steady_clock::now();
   validate(table);
   const Layer layer = make_layer(table, chute);
-  const double delta = needs_regularisation(layer) ? options.yield_regularisation : 0.0;
-  check(options, delta > 0.0);
+  check(options);
   const Verdict verdict = steady_verdict(layer);
+  const double delta = regularisation(layer, options, verdict.outcome);
   const ShearLayer system(layer, MassGrid(layer.mass, options.cells, options.grading), delta);
   Start start{.table = table,
               .layer = layer,

@@ -47,9 +47,10 @@ struct TransientOptions {
   double grading = 1.5;  ///< faces at M1 (k/N)^grading from the surface
   double relative_tolerance = 1e-6;
   double absolute_tolerance = 1e-10;  ///< of the scaled shear rate
-  /// delta of tau_y q / sqrt(q^2 + delta^2), q being I for mu(I) laws and gd sqrt(d/g) else. Used
-  /// only by laws whose yield stress is not proportional to depth, and then named in the answer.
-  double yield_regularisation = 1e-4;
+  /// delta of tau_y q / sqrt(q^2 + delta^2), where q is I for mu(I) laws and gd sqrt(d/g) else;
+  /// 0: 1e-4 of the steady q at the base. Used only by laws whose yield stress is not proportional
+  /// to depth, and then named in the answer together with the error it causes.
+  double yield_regularisation = 0.0;
   double time_limit = 0.0;  ///< [time]; 0: five times the settling time, and at least the last
                             ///< output time
   /// Steady when max |du/dt| <= this times g sin(theta), not before the settling time: relaxation

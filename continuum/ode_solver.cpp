@@ -52,9 +52,12 @@ Handle checked(Handle handle, const char* call) {
   return handle;
 }
 
-/// What the callbacks see: the system, and what went wrong inside them. No exception may cross C.
+/// What the callbacks see: the system, its tolerances, and what went wrong inside them. No
+/// exception may cross C.
 struct Callback {
   const OdeSystem& system;
+  double relative_tolerance;
+  double absolute_tolerance;
   std::exception_ptr error;
   std::string message;  // last one of the solver, which would otherwise print it
 
@@ -91,6 +94,17 @@ int jacobian(double t,
   });
 }
 
+/// Our own weights, since CVODE 6.4 loses its data when scalar tolerances are changed on the way.
+int error_weights(N_Vector y, N_Vector weights, void* user) {
+  const auto& callback = *static_cast<const Callback*>(user);
+  const auto state = values(y);
+  const auto weight = values(weights);
+  for (std::size_t i = 0; i < state.size(); ++i)
+    weight[i] =
+        1.0 / (callback.relative_tolerance * std::abs(state[i]) + callback.absolute_tolerance);
+  return 0;
+}
+
 int event(double t, N_Vector y, double* value, void* user) {
   auto& callback = *static_cast<Callback*>(user);
   return callback.guarded([&] { *value = callback.system.event(t, values(y)); });
@@ -104,7 +118,7 @@ void keep_message(int, const char*, const char*, char* message, void* user) {
 
 struct OdeSolver::Implementation {
   Implementation(const OdeSystem& system, std::span<const double> start, const OdeOptions& options)
-      : callback{system, {}, {}},
+      : callback{system, options.relative_tolerance, options.absolute_tolerance, {}, {}},
         context(make_context()),
         state(checked(Vector(N_VNew_Serial(static_cast<long>(start.size()), context.get())),
                       "N_VNew_Serial")),
@@ -121,8 +135,7 @@ struct OdeSolver::Implementation {
     check(CVodeSetErrHandlerFn(memory, keep_message, &callback), "CVodeSetErrHandlerFn");
     check(CVodeInit(memory, rate, 0.0, state.get()), "CVodeInit");
     check(CVodeSetUserData(memory, &callback), "CVodeSetUserData");
-    check(CVodeSStolerances(memory, options.relative_tolerance, options.absolute_tolerance),
-          "CVodeSStolerances");
+    check(CVodeWFtolerances(memory, error_weights), "CVodeWFtolerances");
     check(CVodeSetLinearSolver(memory, linear_solver.get(), matrix.get()), "CVodeSetLinearSolver");
     check(CVodeSetJacFn(memory, jacobian), "CVodeSetJacFn");
     // Newton ten times tighter than usual: its noise otherwise costs twice the steps at a yield
@@ -190,6 +203,11 @@ OdeSolver::Step OdeSolver::step() {
   if (flag < 0) self.fail(flag);
   if (flag == CV_ROOT_RETURN) return Step::event;
   return flag == CV_TSTOP_RETURN ? Step::end : Step::advanced;
+}
+
+void OdeSolver::tighten(double factor) {
+  self_->callback.relative_tolerance *= factor;
+  self_->callback.absolute_tolerance *= factor;
 }
 
 double OdeSolver::time() const {

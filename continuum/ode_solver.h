@@ -58,6 +58,9 @@ class OdeSolver {
   /// system threw.
   Step step();
 
+  /// From now on both tolerances are multiplied by `factor`.
+  void tighten(double factor);
+
   double time() const;
   std::span<const double> state() const;
   /// State at a time inside the last step.

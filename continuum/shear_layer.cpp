@@ -103,7 +103,9 @@ std::vector<double> ShearLayer::steady_state() const {
 double ShearLayer::relaxation_time(std::span<const double> q) const {
   double time = 0.0;
   for (std::size_t k = 0; k < size(); ++k)
-    time += grid_.face[k] * grid_.distance[k] / (curves_[k].mobility * slope(k, q[k]));
+    if (q[k] > 0.0)  // the plug follows at once
+      time += grid_.face[k] * grid_.distance[k] /
+              (curves_[k].mobility * curves_[k].viscous_slope(q[k]));
   return time;
 }
 

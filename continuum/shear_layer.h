@@ -47,8 +47,9 @@ class ShearLayer : public OdeSystem {
 
   /// q at which tau(q) carries the layer without acceleration.
   std::vector<double> steady_state() const;
-  /// Response of the surface velocity to the drive, du_s / d(g sin(theta)) = int M / (K tau') dM:
-  /// the relaxation time to within 25 % (exact factor pi^2 / 8 for a linear law).
+  /// Response of the surface velocity to the drive, du_s / d(g sin(theta)) = int M / (K tau') dM
+  /// over the sheared part, without regularisation: the relaxation time to within 25 % (exact
+  /// factor pi^2 / 8 for a linear law).
   double relaxation_time(std::span<const double> q) const;
 
   /// Rows at the base, the cell centres and the surface. `plug_mass` is passed on.
