@@ -98,12 +98,16 @@ Table bagnold_table(const Report& report, const std::string& units) {
   return result;
 }
 
-Html not_identifiable(const Report& report) {
+Html remarks(const Report& report) {
   std::vector<Html> items;
   for (const RunComparison& run : report.runs) {
     if (!run.own_bagnold) continue;
-    for (const std::string& sentence : run.own_bagnold->summary.not_identifiable) {
-      items.push_back(run_label(run) + ": "_html + text(sentence));
+    const FitSummary& fit = run.own_bagnold->summary;
+    for (const auto* sentences : {&fit.not_identifiable, &fit.notes}) {
+      for (const std::string& sentence : *sentences) {
+        const bool named = sentence.starts_with(run.data.name);
+        items.push_back(named ? text(sentence) : run_label(run) + ": "_html + text(sentence));
+      }
     }
   }
   return items.empty() ? Html{} : list(items);
@@ -127,7 +131,7 @@ Html bagnold_section(const Report& report) {
                 "grains. <i>Ξ</i> = <i>b</i>/(<i>a</i><i>γ̇</i>) (their eq. 10) depends on where "
                 "<i>u</i> = 0 is put, so it stands here with the no-slip height free and "
                 "fixed."_html) +
-                table(numbers) + not_identifiable(report);
+                table(numbers) + remarks(report);
   return section("bagnold", "Generalised Bagnold law, tilt by tilt"_html, content);
 }
 

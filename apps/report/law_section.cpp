@@ -121,7 +121,7 @@ Html sentences(const std::vector<std::string>& lines) {
 }
 
 Html remarks(const FitSummary& fit) {
-  Html result = sentences(fit.not_identifiable);
+  Html result = sentences(fit.not_identifiable) + sentences(fit.notes);
   if (!fit.left_out.empty()) {
     result += R"(<div class="aside">Left out of the fit:)"_html + sentences(fit.left_out) +
               "</div>\n"_html;

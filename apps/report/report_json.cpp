@@ -75,6 +75,7 @@ json to_json(const calibration::FitSummary& fit) {
           {"termination", fit.termination},
           {"not_identifiable", fit.not_identifiable},
           {"left_out", fit.left_out},
+          {"notes", fit.notes},
           {"wall_seconds", fit.wall_seconds}};
 }
 
