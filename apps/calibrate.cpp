@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 
 #include "apps/campaign_run.h"
 #include "apps/command_line.h"
@@ -64,11 +65,26 @@ bool among(double inclination, const std::vector<double>& tilts) {
       tilts.begin(), tilts.end(), [&](double tilt) { return std::abs(tilt - inclination) < 1e-9; });
 }
 
+/// Fewer independent samples than this make a standard error itself unsure by a sixth and more.
+constexpr double few_samples = 20.0;
+
+void warn_of_few_samples(const dem::LocalData& data, std::vector<std::string>& warnings) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const dem::LocalRow& row : data.rows) least = std::min(least, row.effective_samples);
+  if (least >= few_samples) return;
+  warnings.push_back(
+      fmt::format("{}: only {:.0f} independent samples of the velocity at its worst height: its "
+                  "standard errors are rough; a longer averaging_time would help",
+                  data.name,
+                  least));
+}
+
 void sort_in(Runs& runs, dem::LocalData data, const io::Campaign& campaign) {
   if (!data.window.steady) {
     runs.warnings.push_back(fmt::format(
         "{} is not steady and is not fitted or scored: {}", data.name, data.window.reason));
   }
+  if (data.window.steady) warn_of_few_samples(data, runs.warnings);
   if (among(data.conditions.inclination, campaign.calibrate_tilts) && data.window.steady) {
     runs.fitted.push_back(std::move(data));
   } else {
@@ -176,6 +192,7 @@ void record_checks(continuum::RheologyTable& table,
 report::Report evaluate(const io::Campaign& campaign, Runs runs, const fs::path& directory) {
   report::Report report;
   report.title = campaign.title;
+  report.machine = machine();
   report.warnings = std::move(runs.warnings);
   report.costs = std::move(runs.costs);
   auto start = steady_clock::now();
@@ -187,6 +204,8 @@ report::Report evaluate(const io::Campaign& campaign, Runs runs, const fs::path&
   start = steady_clock::now();
   for (const dem::LocalData& data : all) {
     report.runs.push_back(compare_run(data, report.table, runs.fitted));
+    const auto& notes = report.runs.back().notes;
+    report.warnings.insert(report.warnings.end(), notes.begin(), notes.end());
   }
   report.costs.push_back({"predictions and comparison", seconds_since(start), 0.0});
   start = steady_clock::now();

@@ -70,11 +70,14 @@ ExitCode compare(const Arguments& arguments, const CommonOptions& options) {
   report.title =
       "DEM against continuum: " + std::filesystem::path(arguments.table).filename().string();
   report.command = "grainlaw compare";
+  report.machine = machine();
   report.table = table;
   for (const dem::LocalData& data : runs) {
     report.costs.push_back({"DEM " + data.name, data.summary.wall_seconds, 0.0});
     report.runs.push_back(compare_run(data, table, fitted));
     report.costs.push_back({"prediction " + data.name, report.runs.back().predict_seconds, 0.0});
+    const auto& notes = report.runs.back().notes;
+    report.warnings.insert(report.warnings.end(), notes.begin(), notes.end());
     add_lines(summary, report.runs.back());
   }
   report::write_report(report, directory);

@@ -60,21 +60,35 @@ void add_naive_guess(report::RunComparison& run, const dem::LocalData& nearest) 
       calibration::profile_error(run.data, calibration::naive_guess(nearest, run.data.conditions));
 }
 
+/// A fit that the data of a run may not allow: absent then, and noted.
+template <class Fit>
+auto fit_or_note(report::RunComparison& run, const Fit& fit) -> std::optional<decltype(fit())> {
+  try {
+    return fit();
+  } catch (const calibration::FitError& error) {
+    run.notes.emplace_back(error.what());
+    return std::nullopt;
+  }
+}
+
 /// Closure A: fitted to this run (its own tilt), and taken from the nearest fitted tilt.
 void add_bagnold(report::RunComparison& run, std::span<const dem::LocalData> fitted) {
   const continuum::ChuteCase chute = chute_case(run.data.conditions);
-  run.own_bagnold = calibration::fit_bagnold(run.data);
-  run.own_bagnold_error =
-      error_of(run.data, continuum::steady_chute(run.own_bagnold->table, chute));
+  run.own_bagnold = fit_or_note(run, [&] { return calibration::fit_bagnold(run.data); });
+  if (run.own_bagnold) {
+    run.own_bagnold_error =
+        error_of(run.data, continuum::steady_chute(run.own_bagnold->table, chute));
+  }
   std::vector<dem::LocalData> others;
   for (const dem::LocalData& other : fitted) {
     if (other.conditions.inclination != run.data.conditions.inclination) others.push_back(other);
   }
-  if (const dem::LocalData* other = nearest_tilt(others, run.data.conditions.inclination)) {
-    run.foreign_bagnold_source = other->name;
-    run.foreign_bagnold_error =
-        error_of(run.data, continuum::steady_chute(calibration::fit_bagnold(*other).table, chute));
-  }
+  const dem::LocalData* other = nearest_tilt(others, run.data.conditions.inclination);
+  if (other == nullptr) return;
+  const auto foreign = fit_or_note(run, [&] { return calibration::fit_bagnold(*other); });
+  if (!foreign) return;
+  run.foreign_bagnold_source = other->name;
+  run.foreign_bagnold_error = error_of(run.data, continuum::steady_chute(foreign->table, chute));
 }
 
 /// The same run as if it had been stopped after a share of its averaging time.
@@ -124,20 +138,19 @@ void add_errors(report::TimeErrorPoint& point,
                 const continuum::RheologyTable& final_table,
                 std::span<const dem::LocalData> fitted,
                 std::span<const dem::LocalData> all) {
-  for (const dem::LocalData& run : fitted) {
-    const double theta = run.conditions.inclination;
+  for (const double theta : tilts(fitted)) {
     const double reference = inertial_number(final_table, theta);
-    point.law_error =
-        std::max(point.law_error, std::abs(inertial_number(fit.table, theta) / reference - 1.0));
+    const double error = std::abs(inertial_number(fit.table, theta) / reference - 1.0);
+    if (error < point.law_error) continue;
+    point.law_error = error;
+    point.law_standard_error = standard_error_of_I(fit, theta);
   }
-  std::vector<double> angles = tilts(fitted);
-  std::sort(angles.begin(), angles.end());
-  point.law_standard_error = standard_error_of_I(fit, angles[angles.size() / 2]);
   point.mu0 = {fit.friction["mu0"].value, fit.friction["mu0"].error};
   for (const dem::LocalData& run : all) {
     const auto steady = continuum::steady_chute(fit.table, chute_case(run.conditions));
     const auto error = error_of(run, steady);
     point.profile_error.push_back(error ? error->velocity.value : nan);
+    point.profile_standard_error.push_back(error ? error->velocity.error : nan);
   }
 }
 
@@ -165,7 +178,8 @@ Prediction predict_chute(const continuum::RheologyTable& table,
     continuum::TransientOptions options;
     options.output_times = output_times;
     prediction.start = continuum::start_from_rest(table, chute, options);
-    const continuum::Profile& steady = prediction.steady.profile;
+    // Many rows: the comparison shall see the solvers, not the interpolation between rows.
+    const continuum::Profile steady = continuum::steady_chute(table, chute, {.rows = 4001}).profile;
     for (const continuum::ProfileRow& row : prediction.start->final_profile.rows) {
       const double difference = calibration::velocity_at(steady, row.z) - row.velocity;
       prediction.steady_against_transient = std::max(
@@ -195,6 +209,7 @@ report::RunComparison compare_run(const dem::LocalData& data,
       add_naive_guess(run, *near);
     }
   }
+  run.point = fit_or_note(run, [&] { return calibration::flow_point(data); });
   add_bagnold(run, fitted);
   return run;
 }

@@ -53,6 +53,7 @@ continuum::SteadyChute steady_at_depth(const continuum::RheologyTable& table,
 
 /// The one line of trust that ends every prediction.
 std::string trust(const continuum::Answer& answer, const continuum::RheologyTable& table) {
+  if (!is_flow(answer.outcome)) return "no steady flow, so no range and no band to judge";
   std::string text;
   if (answer.out_of_domain.empty()) text = "inside the range of the data";
   for (const continuum::RangeFlag& flag : answer.out_of_domain) {

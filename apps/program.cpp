@@ -3,7 +3,9 @@
 #include <fmt/core.h>
 
 #include <csignal>
+#include <fstream>
 #include <new>
+#include <thread>
 
 #include "apps/io/input_file.h"
 #include "continuum/ode_solver.h"

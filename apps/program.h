@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <string>
 
 #include "apps/exit_code.h"
 
@@ -13,5 +14,8 @@ int run_program(const char* name, const std::function<ExitCode()>& body);
 /// From here on SIGINT and SIGTERM set a flag instead of ending the process.
 void catch_stop_signals();
 bool stop_requested();
+
+/// Processor and number of cores, for statements about run time.
+std::string machine();
 
 }  // namespace grainlaw

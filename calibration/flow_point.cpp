@@ -121,6 +121,14 @@ void note_imbalance(FlowPoint& point) {
   point.notes.push_back(text.str());
 }
 
+/// The fitted velocity is an integral of the law over the whole layer, so the law is tested from
+/// the surface, p* = 0, to the base.
+void store_softness_range(const dem::ChuteConditions& grains, FlowPoint& point) {
+  if (!(grains.stiffness > 0.0)) return;
+  const double pressure = grains.gravity * std::cos(grains.inclination) * grains.mass_per_area;
+  point.softness_upper = pressure * grains.grain_diameter / grains.stiffness;
+}
+
 }  // namespace
 
 FlowPoint flow_point(const dem::LocalData& data, const RowSelection& selection) {
@@ -150,10 +158,7 @@ FlowPoint flow_point(const dem::LocalData& data, const RowSelection& selection) 
   } else {
     store_jackknife_errors(without, point);
   }
-  if (const auto softness = range(data, observations, &LocalRow::softness)) {
-    point.softness_lower = softness->lower;
-    point.softness_upper = softness->upper;
-  }
+  store_softness_range(data.conditions, point);
   note_imbalance(point);
   return point;
 }

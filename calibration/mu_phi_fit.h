@@ -21,7 +21,7 @@ struct FlowPoint {
   dem::Estimate volume_fraction;  ///< bulk phi
   dem::Estimate no_slip_height;   ///< [d]
   dem::Estimate mass_below;       ///< [rho_p d]
-  double softness_lower = 0.0;    ///< p* range of the rows used
+  double softness_lower = 0.0;    ///< p* of the flowing layer: 0 at its surface
   double softness_upper = 0.0;
   int blocks = 0;  ///< independent stretches of time the errors rest on; 0: errors from the rows
   std::vector<std::string> left_out;  ///< sentences: rows that did not count

@@ -34,7 +34,7 @@ std::string markdown(const std::vector<SectionEntry>& sections) {
   std::string out;
   for (const SectionEntry& section : sections) {
     const std::string title = section.name.empty() ? "Top level" : "`[" + section.name + "]`";
-    out += fmt::format("#### {}\n\n", title);
+    out += fmt::format("### {}\n\n", title);
     if (!section.meaning.empty()) {
       out += fmt::format("{}{}.\n\n", section.meaning, section.required ? "" : " (optional)");
     }
@@ -43,7 +43,7 @@ std::string markdown(const std::vector<SectionEntry>& sections) {
       out += fmt::format("| `{}` | {} | {} | {} | {} | {} |\n",
                          key.name,
                          key.type,
-                         key.unit.empty() ? "1" : key.unit,
+                         key.unit,
                          key.range,
                          key.missing,
                          key.meaning);

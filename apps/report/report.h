@@ -30,7 +30,8 @@ struct RunComparison {
   /// Closure A fitted at the nearest calibration tilt, used here as if a, b were constants.
   std::optional<calibration::ProfileError> foreign_bagnold_error;
   std::string foreign_bagnold_source;
-  double predict_seconds = 0.0;  ///< wall, steady + transient + band
+  double predict_seconds = 0.0;    ///< wall, steady + transient + band
+  std::vector<std::string> notes;  ///< what could not be fitted or compared, and why
 };
 
 /// Error of law and prediction when only part of the DEM averaging time is used.

@@ -151,7 +151,7 @@ TEST_F(Programs, AMisspeltKeyIsShownWithItsNearest) {
   const std::string scene = small_scene("24", "[time]\nstepp = 1e-4\n");
   const Output answer = grainlaw("dem " + scene);
   EXPECT_EQ(answer.code, 1);
-  EXPECT_NE(answer.text.find("scene.toml:18:1"), std::string::npos) << answer.text;
+  EXPECT_NE(answer.text.find("scene.toml:20:1"), std::string::npos) << answer.text;
   EXPECT_NE(answer.text.find("did you mean 'step'"), std::string::npos) << answer.text;
 }
 
