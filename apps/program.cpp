@@ -57,4 +57,15 @@ bool stop_requested() {
   return stop_flag != 0;
 }
 
+std::string machine() {
+  std::string processor = "unknown processor";
+  std::ifstream file("/proc/cpuinfo");
+  for (std::string line; std::getline(file, line);) {
+    if (line.rfind("model name", 0) != 0) continue;
+    processor = line.substr(line.find(": ") + 2);
+    break;
+  }
+  return fmt::format("{}, {} cores", processor, std::thread::hardware_concurrency());
+}
+
 }  // namespace grainlaw
