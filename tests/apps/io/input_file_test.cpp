@@ -68,7 +68,7 @@ TEST(InputFile, ListingReadsNothingAndComplainsAboutNothing) {
   Section section = in.section("s", "Meaning");
   section.read<double>({"k", "what it is", {"mass"}, positive});
   EXPECT_EQ(in.key_list(),
-            "#### `[s]`\n\nMeaning.\n\n"
+            "### `[s]`\n\nMeaning.\n\n"
             "| key | type | unit | range | if missing | meaning |\n|---|---|---|---|---|---|\n"
             "| `k` | number | mass | 0 < x | required | what it is |\n\n");
 }
