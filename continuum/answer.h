@@ -21,6 +21,11 @@ enum class Outcome {
 
 std::string_view name(Outcome outcome);  ///< STEADY, PLUG, ARRESTED, ...
 
+/// A steady flow exists, with or without a plug.
+constexpr bool flows(Outcome outcome) {
+  return outcome == Outcome::steady || outcome == Outcome::plug;
+}
+
 /// The law was used outside the range of its data (never silent).
 struct RangeFlag {
   std::string quantity;  ///< "I", "p*", "Bo", "phi", "inclination"

@@ -61,16 +61,12 @@ std::vector<double> sorted_times(const TransientOptions& options, double unit) {
   return times;
 }
 
-bool is_flow(Outcome outcome) {
-  return outcome == Outcome::steady || outcome == Outcome::plug;
-}
-
 /// delta of the regularised yield stress; 0 where none is needed.
 double regularisation(const Layer& layer, const TransientOptions& options, Outcome ahead) {
   if (!needs_regularisation(layer)) return 0.0;
   if (options.yield_regularisation > 0.0) return options.yield_regularisation;
   const double tau = layer.driving_stress(layer.mass);
-  const double q = is_flow(ahead) ? layer.curve(layer.mass).scaled_rate(tau).value() : 1.0;
+  const double q = flows(ahead) ? layer.curve(layer.mass).scaled_rate(tau).value() : 1.0;
   return std::max(1e-4 * q, 100.0 * options.absolute_tolerance);
 }
 
@@ -78,7 +74,7 @@ double regularisation(const Layer& layer, const TransientOptions& options, Outco
 /// where no steady state lies ahead. A run close to repose has a small residual from the start, so
 /// the residual alone would not show that it is steady.
 double settling_time(const ShearLayer& system, Outcome ahead, double residual) {
-  if (!is_flow(ahead)) return 0.0;
+  if (!flows(ahead)) return 0.0;
   return system.relaxation_time(system.steady_state()) * std::log(1.0 / residual);
 }
 
@@ -115,8 +111,8 @@ double Start::time_limit() const {
   if (options.time_limit > 0.0) return options.time_limit / layer.units.time;
   // Without a steady state, M^1.5 sets the scale: a Bagnold flow of I = 0.1 takes that long to
   // reach its speed I M^1.5 at an acceleration of 0.1.
-  const double chosen = is_flow(verdict.outcome) ? settling_times_allowed * settling_time
-                                                 : 25.0 * std::pow(layer.mass, 1.5);
+  const double chosen = flows(verdict.outcome) ? settling_times_allowed * settling_time
+                                               : 25.0 * std::pow(layer.mass, 1.5);
   return output_times.empty() ? chosen : std::max(chosen, output_times.back());
 }
 
@@ -148,7 +144,7 @@ void Start::rest() {
 }
 
 bool Start::settled(const OdeSolver& solver) const {
-  return is_flow(verdict.outcome) && solver.time() >= settling_time &&
+  return flows(verdict.outcome) && solver.time() >= settling_time &&
          system.largest_acceleration(solver.state()) <= options.steady_residual * layer.sine;
 }
 
@@ -178,7 +174,7 @@ Outcome Start::outcome(End end) const {
   if (end == End::step_limit) return Outcome::not_converged;
   if (verdict.outcome == Outcome::no_steady) return Outcome::accelerating;
   if (!options.stop_when_steady) return Outcome::time_reached;
-  return is_flow(verdict.outcome) ? Outcome::not_converged : verdict.outcome;
+  return flows(verdict.outcome) ? Outcome::not_converged : verdict.outcome;
 }
 
 std::string Start::text(End end, std::span<const double> q, const Profile& last) const {

@@ -10,9 +10,7 @@ namespace {
 
 Outcome outcome(const RheologyTable& table, const ChuteCase& chute) {
   const auto steady = steady_chute(table, chute);
-  const bool flows =
-      steady.answer.outcome == Outcome::steady || steady.answer.outcome == Outcome::plug;
-  EXPECT_EQ(steady.profile.rows.empty(), !flows) << steady.answer.text;
+  EXPECT_EQ(steady.profile.rows.empty(), !flows(steady.answer.outcome)) << steady.answer.text;
   EXPECT_FALSE(steady.answer.text.empty());
   return steady.answer.outcome;
 }
