@@ -4,7 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
-#include <limits>
+#include <set>
 
 #include "apps/campaign_run.h"
 #include "apps/command_line.h"
@@ -26,7 +26,7 @@ using std::chrono::steady_clock;
 
 struct Arguments {
   std::string campaign;
-  std::string output = "calibration";
+  std::string output = "calibration-report";
   std::vector<std::string> from;
 };
 
@@ -65,26 +65,12 @@ bool among(double inclination, const std::vector<double>& tilts) {
       tilts.begin(), tilts.end(), [&](double tilt) { return std::abs(tilt - inclination) < 1e-9; });
 }
 
-/// Fewer independent samples than this make a standard error itself unsure by a sixth and more.
-constexpr double few_samples = 20.0;
-
-void warn_of_few_samples(const dem::LocalData& data, std::vector<std::string>& warnings) {
-  double least = std::numeric_limits<double>::infinity();
-  for (const dem::LocalRow& row : data.rows) least = std::min(least, row.effective_samples);
-  if (least >= few_samples) return;
-  warnings.push_back(
-      fmt::format("{}: only {:.0f} independent samples of the velocity at its worst height: its "
-                  "standard errors are rough; a longer averaging_time would help",
-                  data.name,
-                  least));
-}
-
 void sort_in(Runs& runs, dem::LocalData data, const io::Campaign& campaign) {
   if (!data.window.steady) {
     runs.warnings.push_back(fmt::format(
         "{} is not steady and is not fitted or scored: {}", data.name, data.window.reason));
   }
-  if (data.window.steady) warn_of_few_samples(data, runs.warnings);
+  if (const auto few = few_samples(data)) runs.warnings.push_back(data.name + ": " + *few);
   if (among(data.conditions.inclination, campaign.calibrate_tilts) && data.window.steady) {
     runs.fitted.push_back(std::move(data));
   } else {
@@ -108,10 +94,28 @@ Runs measure(const io::Campaign& campaign, const fs::path& directory, int thread
   return runs;
 }
 
+/// A finished run belongs to a campaign when it ran under the conditions of its scene at one of its
+/// tilts.
+bool belongs(const dem::LocalData& data, const io::Campaign& campaign) {
+  const double tilt = data.conditions.inclination;
+  if (!among(tilt, campaign.calibrate_tilts) && !among(tilt, campaign.predict_tilts)) return false;
+  return same_grains(data.conditions, dem::conditions(campaign.scene.scene)) &&
+         data.conditions.mass_per_area == dem::mass_per_area(campaign.scene.scene);
+}
+
 Runs gather(const io::Campaign& campaign, const std::vector<std::string>& files) {
   Runs runs;
+  std::set<std::string> seen;
   for (const std::string& file : files) {
     dem::LocalData data = io::read_local_data(file);
+    if (!seen.insert(io::digest(file)).second) {
+      throw io::InputError(file + ": the same run is given twice; it would count twice in the fit");
+    }
+    if (!belongs(data, campaign)) {
+      throw io::InputError(file +
+                           ": grains, base, mass or tilt are not those of the campaign; compare it "
+                           "with `grainlaw compare` instead");
+    }
     runs.costs.push_back({"DEM " + data.name, data.summary.wall_seconds, 0.0});
     sort_in(runs, std::move(data), campaign);
   }
@@ -171,7 +175,7 @@ void write_bagnold_tables(const std::vector<report::RunComparison>& runs,
                           const fs::path& directory) {
   fs::create_directories(directory);
   for (const report::RunComparison& run : runs) {
-    if (!run.own_bagnold || run.kind != calibration::SampleKind::in_sample) continue;
+    if (run.kind != calibration::SampleKind::in_sample || !run.own_bagnold_error) continue;
     io::write_table(run.own_bagnold->table, directory / (run.data.name + ".toml"));
   }
 }
@@ -216,10 +220,13 @@ report::Report evaluate(const io::Campaign& campaign, Runs runs, const fs::path&
 }
 
 ExitCode check(const io::Campaign& campaign, const CommonOptions& options) {
+  std::string text;
   for (const io::SceneFile& file : scenes(campaign)) {
     const Summary summary = check_scene(file);
-    fmt::print("{}{}", options.json ? summary.json() : summary.text(), options.json ? "" : "\n");
+    if (!text.empty()) text += options.json ? ",\n" : "\n";
+    text += options.json ? summary.json() : summary.text();
   }
+  fmt::print("{}", options.json ? "[\n" + text + "]\n" : text);
   return ExitCode::answered;
 }
 
@@ -232,10 +239,10 @@ ExitCode calibrate(const Arguments& arguments, const CommonOptions& options) {
   Runs runs = arguments.from.empty() ? measure(campaign, directory, options.threads, options.quiet)
                                      : gather(campaign, arguments.from);
   if (stop_requested()) {
-    fmt::print(stderr, "stopped; finished runs are in {}\n", (directory / "runs").string());
+    say("grainlaw calibrate: stopped; finished runs are in " + (directory / "runs").string());
     return ExitCode::stopped;
   }
-  for (const std::string& warning : runs.warnings) fmt::print(stderr, "warning: {}\n", warning);
+  for (const std::string& warning : runs.warnings) say("warning: " + warning);
   report::Report report = evaluate(campaign, std::move(runs), directory);
   report.command = "grainlaw calibrate " + fs::path(arguments.campaign).filename().string();
   io::write_table(report.table, directory / "table.toml");
@@ -246,8 +253,7 @@ ExitCode calibrate(const Arguments& arguments, const CommonOptions& options) {
   add_error_lines(summary, report.runs);
   summary.add("table", "table", (directory / "table.toml").string());
   summary.add("report", "report", (directory / "report.html").string());
-  if (options.json || !options.quiet)
-    fmt::print("{}", options.json ? summary.json() : summary.text());
+  print(summary, options);
   return ExitCode::answered;
 }
 
@@ -265,7 +271,7 @@ int main(int argc, char** argv) {
       options);
   Arguments arguments;
   line.required("CAMPAIGN.toml", arguments.campaign, "the campaign");
-  line.option("-o,--output", arguments.output, "folder for results (default: calibration)");
+  line.option("-o,--output", arguments.output, "folder for results (default: calibration-report)");
   line.option_list("--from", arguments.from, "finished runs (RUN.h5) to use instead of running");
   if (const auto code = line.parse(argc, argv)) return *code;
   return run_program("grainlaw calibrate", [&] { return calibrate(arguments, options); });

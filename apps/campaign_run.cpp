@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <atomic>
 #include <ctime>
+#include <exception>
 #include <mutex>
 #include <thread>
 
@@ -81,7 +82,9 @@ CampaignRun run_one(const io::SceneFile& file,
   const double start = thread_cpu_seconds();
   try {
     result.data = run_scene(file, directory / (file.scene.name + ".h5"), show);
-  } catch (const std::exception& error) {
+  } catch (const dem::RunError& error) {
+    result.failure = error.what();
+  } catch (const dem::SceneError& error) {
     result.failure = error.what();
   }
   result.cpu_seconds = thread_cpu_seconds() - start;
@@ -98,19 +101,29 @@ std::vector<CampaignRun> run_scenes(const std::vector<io::SceneFile>& scenes,
                                    {.name = {}, .data = {}, .failure = "not started"});
   ProgressBoard board(scenes.size(), threads, progress);
   std::atomic<std::size_t> next = 0;
-  const auto work = [&] {
-    for (std::size_t k = next++; k < scenes.size() && !stop_requested(); k = next++) {
+  std::mutex failure_mutex;
+  std::exception_ptr failure;  // of disk or memory: no run can go on
+  const auto run = [&](std::size_t k) {
+    try {
       results[k] =
           run_one(scenes[k], directory, [&](const dem::Progress& now) { board.update(k, now); });
       board.finish(k,
                    results[k].data ? outcome_line(*results[k].data)
                                    : results[k].name + ": failed: " + results[k].failure);
+    } catch (...) {
+      const std::lock_guard lock(failure_mutex);
+      failure = std::current_exception();
+      next = scenes.size();
     }
+  };
+  const auto work = [&] {
+    for (std::size_t k = next++; k < scenes.size() && !stop_requested(); k = next++) run(k);
   };
   std::vector<std::jthread> workers;
   const auto count = std::min<std::size_t>(static_cast<std::size_t>(threads), scenes.size());
   for (std::size_t k = 0; k < count; ++k) workers.emplace_back(work);
   workers.clear();  // joins
+  if (failure) std::rethrow_exception(failure);
   return results;
 }
 

@@ -20,7 +20,8 @@ struct CampaignRun {
 };
 
 /// Runs the scenes in their order, `threads` at a time, one thread each; local data go to
-/// DIR/NAME.h5. A run that fails is reported in its result, the others go on.
+/// DIR/NAME.h5. A run whose physics fails is reported in its result and the others go on; a disk or
+/// memory failure ends them all and is thrown.
 std::vector<CampaignRun> run_scenes(const std::vector<io::SceneFile>& scenes,
                                     const std::filesystem::path& directory,
                                     int threads,

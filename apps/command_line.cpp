@@ -16,15 +16,15 @@ CommandLine::CommandLine(const std::string& program,
                          CommonOptions& common)
     : parser_(new Parser{CLI::App(description, program), common}) {
   CLI::App& app = parser_->app;
-  app.footer(
-      "Example:\n" + example +
-      "\n\nExit codes: 0 answered, 1 bad input, 2 no steady state or refused step, 3 disk or "
-      "memory, 4 stopped");
+  app.footer("Example:\n" + example +
+             "\n\nExit codes: 0 answered, 1 bad input, 2 no steady state or refused step,\n"
+             "            3 disk or memory, 4 stopped");
   app.set_version_flag("--version", GRAINLAW_VERSION);
-  app.add_flag("--check", common.check, "validate the input and say what would run; run nothing");
-  app.add_flag("--json", common.json, "print the summary as one JSON object on stdout");
+  app.add_flag("--check", common.check, "say what would run; run nothing");
+  app.add_flag("--json", common.json, "summary as one JSON object on stdout");
   app.add_flag("--quiet", common.quiet, "no progress and no summary");
-  app.add_option("--threads", common.threads, "number of threads (default: all)")
+  app.add_option(
+         "--threads", common.threads, "runs of a campaign at the same time (default: cores)")
       ->check(CLI::Range(1, 1024));
 }
 

@@ -17,7 +17,7 @@ namespace {
 struct Arguments {
   std::vector<std::string> runs;
   std::string table;
-  std::string output = "comparison";
+  std::string output = "comparison-report";
 };
 
 /// Runs named in the table's provenance were fitted; the others are out of sample.
@@ -54,13 +54,18 @@ void add_lines(Summary& summary, const report::RunComparison& run) {
 }
 
 ExitCode compare(const Arguments& arguments, const CommonOptions& options) {
-  const continuum::RheologyTable table = io::read_table(arguments.table);
   std::vector<dem::LocalData> runs;
-  for (const std::string& path : arguments.runs) runs.push_back(io::read_local_data(path));
+  io::Units units;  // of the scenes: a table of a, b, tau_c in SI needs their sizes
+  for (const std::string& path : arguments.runs) {
+    io::RunRecord record = io::read_run_record(path);
+    units = record.units;
+    runs.push_back(std::move(record.data));
+  }
+  const continuum::RheologyTable table = io::in_grain_units(io::read_table(arguments.table), units);
   Summary summary;
   if (options.check) {
     for (const dem::LocalData& data : runs) summary.add(data.name, "run", check_line(data, table));
-    fmt::print("{}", options.json ? summary.json() : summary.text());
+    print(summary, options);
     return ExitCode::answered;
   }
   const std::filesystem::path directory = arguments.output;
@@ -78,12 +83,12 @@ ExitCode compare(const Arguments& arguments, const CommonOptions& options) {
     report.costs.push_back({"prediction " + data.name, report.runs.back().predict_seconds, 0.0});
     const auto& notes = report.runs.back().notes;
     report.warnings.insert(report.warnings.end(), notes.begin(), notes.end());
+    for (const std::string& note : notes) say("warning: " + note);
     add_lines(summary, report.runs.back());
   }
   report::write_report(report, directory);
   summary.add("report", "report", (directory / "report.html").string());
-  if (options.json || !options.quiet)
-    fmt::print("{}", options.json ? summary.json() : summary.text());
+  print(summary, options);
   return ExitCode::answered;
 }
 
@@ -101,7 +106,8 @@ int main(int argc, char** argv) {
   Arguments arguments;
   line.list("RUN.h5", arguments.runs, "local data of DEM runs");
   line.option("-t,--table", arguments.table, "rheology table", true);
-  line.option("-o,--output", arguments.output, "folder for the report (default: comparison)");
+  line.option(
+      "-o,--output", arguments.output, "folder for the report (default: comparison-report)");
   if (const auto code = line.parse(argc, argv)) return *code;
   return run_program("grainlaw compare", [&] { return compare(arguments, options); });
 }

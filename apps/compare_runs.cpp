@@ -91,6 +91,32 @@ void add_bagnold(report::RunComparison& run, std::span<const dem::LocalData> fit
   run.foreign_bagnold_error = error_of(run.data, continuum::steady_chute(foreign->table, chute));
 }
 
+/// A table says for which grains and which base it holds.
+void note_mismatch(report::RunComparison& run, const continuum::RheologyTable& table) {
+  const dem::ChuteConditions& grains = run.data.conditions;
+  if (grains.contact_friction != table.contact_friction) {
+    run.notes.push_back(
+        fmt::format("{}: contact friction {} of the grains, {} of the table: the law "
+                    "is not that of these grains",
+                    run.data.name,
+                    grains.contact_friction,
+                    table.contact_friction));
+  }
+  if (table.base && table.base->recipe != grains.base) {
+    run.notes.push_back(
+        fmt::format("{}: the no-slip height of the table was measured on another "
+                    "base ({}; here: {})",
+                    run.data.name,
+                    table.base->recipe,
+                    grains.base));
+  }
+  for (const continuum::RangeFlag& flag : run.steady.answer.out_of_domain) {
+    if (flag.quantity != "inclination") continue;
+    run.notes.push_back(run.data.name +
+                        ": a closure (A) table holds at its own tilt only, this is another");
+  }
+}
+
 /// The same run as if it had been stopped after a share of its averaging time.
 dem::LocalData shortened(const dem::LocalData& data, double share) {
   dem::LocalData part = data;
@@ -156,6 +182,11 @@ void add_errors(report::TimeErrorPoint& point,
 
 }  // namespace
 
+bool same_grains(const dem::ChuteConditions& a, const dem::ChuteConditions& b) {
+  return a.grain_diameter == b.grain_diameter && a.grain_density == b.grain_density &&
+         a.stiffness == b.stiffness && a.contact_friction == b.contact_friction && a.base == b.base;
+}
+
 continuum::ChuteCase chute_case(const dem::ChuteConditions& conditions) {
   continuum::ChuteCase chute;
   chute.inclination = conditions.inclination;
@@ -201,6 +232,7 @@ report::RunComparison compare_run(const dem::LocalData& data,
   run.start = std::move(prediction.start);
   run.steady_against_transient = prediction.steady_against_transient;
   run.predict_seconds = prediction.wall_seconds;
+  note_mismatch(run, table);
   run.error = error_of(data, run.steady);
   if (run.start) run.start_error = calibration::transient_error(data, run.start->snapshots);
   if (!data.window.steady) return run;

@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "apps/command_line.h"
+#include "apps/io/local_data_hdf5.h"
 #include "apps/program.h"
 #include "apps/progress.h"
 #include "apps/scene_run.h"
@@ -26,23 +27,24 @@ ExitCode run(const std::string& scene_path,
              const CommonOptions& options) {
   const io::SceneFile file = io::read_scene(scene_path, {.allow_unstable_step = allow_step});
   if (options.check) {
-    const Summary summary = check_scene(file);
-    fmt::print("{}", options.json ? summary.json() : summary.text());
+    print(check_scene(file), options);
     return ExitCode::answered;
   }
   if (output.empty()) output = std::filesystem::path(scene_path).stem().string() + ".h5";
+  refuse_overwriting_input(output, {scene_path});
+  require_writable(output);  // now, not after a long run
   catch_stop_signals();
   ProgressLine progress(options.quiet);
   const dem::LocalData data =
       run_scene(file, output, [&](const dem::Progress& now) { progress.show(progress_text(now)); });
   Summary summary = describe(data);
   summary.add("output", "local data", output);
-  if (options.json) {
-    fmt::print("{}", summary.json());
-  } else if (!options.quiet) {
-    fmt::print("{}", summary.text());
+  summary.add("digest", "digest of all but /run", io::digest(output));
+  print(summary, options);
+  if (stop_requested()) {
+    say("grainlaw dem: stopped; what was measured so far is in " + output);
+    return ExitCode::stopped;
   }
-  if (stop_requested()) return ExitCode::stopped;
   if (!data.window.steady) throw NoAnswer("no steady state: " + data.window.reason);
   return ExitCode::answered;
 }

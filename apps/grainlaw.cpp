@@ -1,9 +1,10 @@
 // Front end: `grainlaw VERB ...` becomes `grainlaw-VERB ...`, as git does.
-#include <fmt/core.h>
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include <array>
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <string>
@@ -18,19 +19,28 @@ struct Verb {
   std::string_view purpose;
 };
 constexpr std::array verbs{
-    Verb{"dem", "run one DEM scene, write local data         SCENE.toml [-o RUN.h5]"},
-    Verb{"calibrate", "run a campaign, fit the laws, report        CAMPAIGN.toml [-o DIR]"},
-    Verb{"predict", "predict a flow from a fitted table          CASE.toml --table TABLE.toml"},
-    Verb{"compare", "compare DEM runs with predictions, report   RUN.h5... --table TABLE.toml"},
+    Verb{"dem", "run one DEM scene, write local data    SCENE.toml [-o RUN.h5]"},
+    Verb{"calibrate", "run a campaign, fit laws, report       CAMPAIGN.toml [-o DIR]"},
+    Verb{"predict", "predict a flow from a table            CASE.toml -t TABLE.toml"},
+    Verb{"compare", "compare runs with predictions, report  RUN.h5... -t TABLE.toml"},
 };
 
-void print_help(FILE* out) {
-  fmt::print(
-      out,
+std::string help() {
+  std::string text = fmt::format(
       "grainlaw {}: from grain properties to flow predictions\n\nUsage: grainlaw VERB ...\n\n",
       GRAINLAW_VERSION);
-  for (const Verb& verb : verbs) fmt::print(out, "  {:<10} {}\n", verb.name, verb.purpose);
-  fmt::print(out, "\n`grainlaw VERB --help` tells more, with an example.\n");
+  for (const Verb& verb : verbs) text += fmt::format("  {:<10} {}\n", verb.name, verb.purpose);
+  return text + "\n`grainlaw VERB --help` tells more, with an example.\n";
+}
+
+int fail(const std::string& message) {
+  std::fputs(message.c_str(), stderr);
+  return static_cast<int>(grainlaw::ExitCode::bad_input);
+}
+
+int answer(const std::string& text) {
+  const bool written = std::fputs(text.c_str(), stdout) >= 0 && std::fflush(stdout) == 0;
+  return static_cast<int>(written ? grainlaw::ExitCode::answered : grainlaw::ExitCode::resource);
 }
 
 std::filesystem::path own_folder() {
@@ -43,12 +53,10 @@ std::filesystem::path own_folder() {
 int main(int argc, char** argv) {
   const std::string_view verb = argc > 1 ? argv[1] : "";
   if (verb == "--help" || verb == "-h" || verb == "help") {
-    print_help(stdout);
-    return 0;
+    return answer(help());
   }
   if (verb == "--version") {
-    fmt::print("{}\n", GRAINLAW_VERSION);
-    return 0;
+    return answer(GRAINLAW_VERSION "\n");
   }
   for (const Verb& known : verbs) {
     if (verb != known.name) continue;
@@ -57,10 +65,7 @@ int main(int argc, char** argv) {
     argv[1] = argv[0];
     execv(beside.c_str(), argv + 1);
     execvp(program.c_str(), argv + 1);
-    fmt::print(stderr, "grainlaw: cannot start {}: {}\n", beside, std::strerror(errno));
-    return static_cast<int>(grainlaw::ExitCode::bad_input);
+    return fail(fmt::format("grainlaw: cannot start {}: {}\n", beside, std::strerror(errno)));
   }
-  if (!verb.empty()) fmt::print(stderr, "grainlaw: unknown verb '{}'\n\n", verb);
-  print_help(stderr);
-  return static_cast<int>(grainlaw::ExitCode::bad_input);
+  return fail((verb.empty() ? "" : fmt::format("grainlaw: unknown verb '{}'\n\n", verb)) + help());
 }

@@ -1,8 +1,14 @@
 #include "apps/program.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
+#include <unistd.h>
 
+#include <atomic>
+#include <cerrno>
 #include <csignal>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <new>
 #include <thread>
@@ -14,15 +20,12 @@
 namespace grainlaw {
 namespace {
 
-volatile std::sig_atomic_t stop_flag = 0;
+std::atomic<bool> stop_flag = false;  // written by a signal, read by worker threads
+static_assert(std::atomic<bool>::is_always_lock_free);
 
 int fail(const char* program, ExitCode code, const char* message) {
   // Input errors carry file:line:column first, as compilers do, so that editors can jump there.
-  if (code == ExitCode::bad_input) {
-    fmt::print(stderr, "{}\n", message);
-  } else {
-    fmt::print(stderr, "{}: {}\n", program, message);
-  }
+  say(code == ExitCode::bad_input ? std::string(message) : fmt::format("{}: {}", program, message));
   return static_cast<int>(code);
 }
 
@@ -48,13 +51,39 @@ int run_program(const char* name, const std::function<ExitCode()>& body) {
   }
 }
 
+void say(std::string_view line) {
+  const std::string text = std::string(line) + '\n';
+  std::fputs(text.c_str(), stderr);
+}
+
 void catch_stop_signals() {
-  std::signal(SIGINT, [](int) { stop_flag = 1; });
-  std::signal(SIGTERM, [](int) { stop_flag = 1; });
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    std::signal(signal, [](int) { stop_flag = true; });
+  }
 }
 
 bool stop_requested() {
-  return stop_flag != 0;
+  return stop_flag;
+}
+
+void refuse_overwriting_input(const std::string& output, const std::vector<std::string>& inputs) {
+  for (const std::string& input : inputs) {
+    std::error_code none;
+    if (!output.empty() && std::filesystem::equivalent(output, input, none)) {
+      throw io::InputError(
+          fmt::format("{}: is an input and would be overwritten; choose another -o", output));
+    }
+  }
+}
+
+void require_writable(const std::string& path) {
+  const std::filesystem::path folder = std::filesystem::absolute(path).parent_path();
+  if (access(folder.c_str(), W_OK) != 0) {
+    throw io::FileError(fmt::format("cannot write {}: {}", path, std::strerror(errno)));
+  }
+  if (std::filesystem::is_directory(path)) {
+    throw io::FileError(fmt::format("cannot write {}: it is a folder", path));
+  }
 }
 
 std::string machine() {

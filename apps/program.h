@@ -2,6 +2,8 @@
 
 #include <functional>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "apps/exit_code.h"
 
@@ -11,9 +13,18 @@ namespace grainlaw {
 /// code; no exception and no stack trace ever reaches the person.
 int run_program(const char* name, const std::function<ExitCode()>& body);
 
-/// From here on SIGINT and SIGTERM set a flag instead of ending the process.
+/// Writes a line to stderr; a closed or full stderr is no reason to end a run.
+void say(std::string_view line);
+
+/// From here on SIGINT, SIGTERM and SIGHUP set a flag instead of ending the process.
 void catch_stop_signals();
 bool stop_requested();
+
+/// Throws io::InputError when an output path names one of the inputs.
+void refuse_overwriting_input(const std::string& output, const std::vector<std::string>& inputs);
+
+/// Throws io::FileError when no file can be written at this path.
+void require_writable(const std::string& path);
 
 /// Processor and number of cores, for statements about run time.
 std::string machine();

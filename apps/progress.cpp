@@ -1,11 +1,14 @@
 #include "apps/progress.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+
+#include "apps/program.h"
 
 namespace grainlaw {
 namespace {
@@ -30,7 +33,7 @@ ProgressLine::~ProgressLine() {
 }
 
 void ProgressLine::clear() {
-  if (shown_ > 0) fmt::print(stderr, "\r{:{}}\r", "", shown_);
+  if (shown_ > 0) std::fputs(fmt::format("\r{:{}}\r", "", shown_).c_str(), stderr);
   shown_ = 0;
 }
 
@@ -41,12 +44,12 @@ void ProgressLine::show(const std::string& text) {
   if (terminal_ ? now - last_ < terminal_interval : now - last_ < plain_interval) return;
   last_ = now;
   if (!terminal_) {
-    fmt::print(stderr, "{}\n", text);
+    say(text);
     return;
   }
   clear();
   const std::string cut = text.substr(0, terminal_width() - 1);
-  fmt::print(stderr, "{}", cut);
+  std::fputs(cut.c_str(), stderr);
   std::fflush(stderr);
   shown_ = cut.size();
 }
@@ -55,7 +58,7 @@ void ProgressLine::report(const std::string& text) {
   const std::lock_guard lock(mutex_);
   if (quiet_) return;
   clear();
-  fmt::print(stderr, "{}\n", text);
+  say(text);
 }
 
 std::string duration_text(double seconds) {

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
+#include <optional>
 #include <string>
 
 #include "apps/io/scene_input.h"
@@ -26,6 +28,9 @@ double seconds_left(const dem::Progress& now);
 
 /// "steady in 42 s: ...", one line about a finished run.
 std::string outcome_line(const dem::LocalData& data);
+
+/// A sentence where the standard errors of a steady run rest on few independent samples.
+std::optional<std::string> few_samples(const dem::LocalData& data);
 
 /// The results of a run in a few lines.
 Summary describe(const dem::LocalData& data);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <nlohmann/json.hpp>
 
 namespace grainlaw {
@@ -108,11 +109,17 @@ std::string Summary::json() const {
   return object.dump(2) + '\n';
 }
 
+void print(const Summary& summary, const CommonOptions& options) {
+  if (options.quiet && !options.json) return;
+  // A stdout that cannot be written is noticed when the program ends and flushes it.
+  std::fputs((options.json ? summary.json() : summary.text()).c_str(), stdout);
+}
+
 std::string value_with_error(double value, double error) {
   if (!std::isfinite(value)) return "not measured";
   if (!std::isfinite(error) || error <= 0.0) return fmt::format("{:.6g}", value);
   const int digits = std::max(0, 1 - static_cast<int>(std::floor(std::log10(error))));
-  if (digits > 9) return fmt::format("{:.6g} +- {:.2g}", value, error);
+  if (digits > 9) return fmt::format("{:.6g} +- {:.1g}", value, error);
   return fmt::format("{:.{}f} +- {:.{}f}", value, digits, error, digits);
 }
 

@@ -4,6 +4,8 @@
 #include <variant>
 #include <vector>
 
+#include "apps/command_line.h"
+
 namespace grainlaw {
 
 /// What a program says at the end: the same entries as lines for people and as JSON for programs.
@@ -35,6 +37,9 @@ class Summary {
   };
   std::vector<Entry> entries_;
 };
+
+/// The summary on stdout, as text or JSON; nothing when quiet text was asked.
+void print(const Summary& summary, const CommonOptions& options);
 
 /// "0.3712 +- 0.0041": both rounded to two digits of the error.
 std::string value_with_error(double value, double error);

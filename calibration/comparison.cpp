@@ -195,13 +195,16 @@ std::string_view name(SampleKind kind) {
     case SampleKind::interpolation:
       return "interpolation";
     case SampleKind::extrapolation:
+      return "extrapolation";
+    case SampleKind::independent:
       break;
   }
-  return "extrapolation";
+  return "independent table";
 }
 
 SampleKind sample_kind(double inclination, const std::vector<double>& fitted_inclinations) {
   constexpr double same = 1e-6;  // [rad]: rounding of degrees in files
+  if (fitted_inclinations.empty()) return SampleKind::independent;
   bool below = false, above = false;
   for (const double fitted : fitted_inclinations) {
     if (std::abs(fitted - inclination) < same) return SampleKind::in_sample;

@@ -11,11 +11,12 @@
 namespace grainlaw::calibration {
 
 /// How a run relates to the data a law was fitted to; never mixed in one number.
-enum class SampleKind { in_sample, interpolation, extrapolation };
+enum class SampleKind { in_sample, interpolation, extrapolation, independent };
 
-std::string_view name(SampleKind kind);  ///< "in sample", "interpolation", "extrapolation"
+std::string_view name(SampleKind kind);  ///< "in sample", "interpolation", ..., "independent table"
 
-/// in_sample: the tilt was fitted; interpolation: between fitted tilts; else extrapolation.
+/// in_sample: the tilt was fitted; interpolation: between fitted tilts; extrapolation: beyond them;
+/// independent: none of the runs at hand was fitted.
 SampleKind sample_kind(double inclination, const std::vector<double>& fitted_inclinations);
 
 /// Distance between a measured and a predicted profile of one run. All relative errors are

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "calibration/fit_summary.h"
+#include "dem/statistics.h"
 
 namespace grainlaw::calibration {
 namespace {
@@ -216,7 +217,9 @@ double jackknife_error(const std::vector<double>& without) {
   const double centre = std::accumulate(without.begin(), without.end(), 0.0) / n;
   double sum = 0.0;
   for (const double value : without) sum += (value - centre) * (value - centre);
-  return std::sqrt((n - 1.0) / n * sum);
+  constexpr double one_sigma = 0.841345;  // of a normal distribution, one-sided
+  const double few_blocks = dem::student_quantile(one_sigma, static_cast<int>(without.size()) - 1);
+  return few_blocks * std::sqrt((n - 1.0) / n * sum);
 }
 
 void MassColumn::add(double z, double mass) {

@@ -40,7 +40,8 @@ std::vector<dem::LocalRow> mean_without(const std::vector<std::vector<dem::Local
                                         std::size_t left_out);
 
 /// Jackknife standard error from the values of a statistic with each block left out in turn
-/// (Quenouille-Tukey): sqrt((n-1)/n sum (x_i - mean)^2).
+/// (Quenouille-Tukey), sqrt((n-1)/n sum (x_i - mean)^2), times Student's t of 68.27 % with n - 1
+/// degrees of freedom: few blocks make the error itself unsure.
 double jackknife_error(const std::vector<double>& without);
 
 /// The measured mass column of one run: which height has which mass above it. The density is

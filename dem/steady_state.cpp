@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
+#include <numeric>
 #include <vector>
 
 #include "dem/statistics.h"
@@ -52,6 +54,18 @@ bool keeps_gaining(std::span<const double> velocity) {
   const double first = velocity[n / 2] - velocity[0];
   const double second = velocity[n - 1] - velocity[n / 2];
   return first > 0.0 && second > 0.5 * first;
+}
+
+/// End of three relaxation times, for the velocity of the frames from `first` on [time].
+double relaxed_time(std::span<const ProfileFrame> frames,
+                    std::span<const double> velocity,
+                    std::size_t first) {
+  const auto later = velocity.subspan(first);
+  const double mean =
+      std::accumulate(later.begin(), later.end(), 0.0) / static_cast<double>(later.size());
+  const auto risen = [&](double v) { return v >= (1.0 - 1.0 / std::numbers::e) * mean; };
+  const auto reached = std::ranges::find_if(velocity, risen) - velocity.begin();
+  return 3.0 * frames[static_cast<std::size_t>(reached)].begin;
 }
 
 /// The series that drifts most clearly, if any does.
@@ -102,7 +116,12 @@ Assessment assess(std::span<const ProfileFrame> frames, const SteadyCriteria& cr
   }
   std::size_t first = 0;
   for (const Series& s : series) first = std::max(first, mser_truncation(s.values));
-  const double length = frames.back().end - frames[first].begin;
+  const double relaxed = relaxed_time(frames, velocity, first);
+  const auto start = std::ranges::find_if(
+      frames, [&](const ProfileFrame& frame) { return frame.begin >= relaxed; });
+  constexpr std::ptrdiff_t fewest_frames = 8;  // to judge a drift by
+  const bool is_relaxed = frames.end() - start >= fewest_frames;
+  if (is_relaxed) first = std::max(first, static_cast<std::size_t>(start - frames.begin()));
   const std::string drift = drift_in_words(series, first);
   if (!drift.empty()) {
     return {gaining ? FlowState::accelerating : FlowState::drifting,
@@ -110,6 +129,13 @@ Assessment assess(std::span<const ProfileFrame> frames, const SteadyCriteria& cr
             first,
             fmt::format("{}: {}", gaining ? "accelerating" : "drifting", drift)};
   }
+  if (!is_relaxed) {
+    return {FlowState::too_short,
+            false,
+            first,
+            fmt::format("short: the start is over at about t = {:.4g}", relaxed)};
+  }
+  const double length = frames.back().end - frames[first].begin;
   // Frame lengths are sums of steps: allow for rounding.
   if (length < criteria.averaging_time * (1.0 - 1e-9)) {
     return {FlowState::too_short,

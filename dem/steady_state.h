@@ -30,8 +30,10 @@ struct Assessment {
 };
 
 /// Judges the mean velocity, kinetic energy and centre of mass of the frames. The start is cut by
-/// the marginal standard error rule (latest cut of the three); the rest is steady when it is at
-/// least averaging_time long and no straight line through it drifts at 99 % confidence.
+/// the marginal standard error rule (latest cut of the three) and by three relaxation times, the
+/// time to 1 - 1/e of the velocity that follows: a slow approach to the steady state hides in the
+/// noise of a short window, and 5 % of it are left then. The rest is steady when it is at least
+/// averaging_time long and no straight line through it drifts at 99 % confidence.
 Assessment assess(std::span<const ProfileFrame> frames, const SteadyCriteria& criteria);
 
 /// The window of an assessment.

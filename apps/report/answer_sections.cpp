@@ -85,16 +85,20 @@ Html reading_section() {
           "Relative <i>L</i><sub>2</sub>"_html,
           "√(∫(predicted − measured)² d<i>z</i> / ∫measured² d<i>z</i>) from <i>z</i> = 0, "
           "base layer included, up to where <i>φ</i> falls below half its bulk value."_html) +
-      definition(
-          "± standard error"_html,
-          "One standard error. Measured numbers: block averages over the steady window. "
-          "Coefficients: covariance of the fit. Profile errors: scatter of the DEM profile "
-          "only. Bands: covariance of the law only. A relative <i>L</i><sub>2</sub> is never "
-          "negative, so noise alone makes it positive: compare with rms / s.e., which is 1 "
-          "for a perfect prediction."_html) +
-      definition(
-          "In sample, interpolation, extrapolation"_html,
-          "Tilt fitted; between fitted tilts; outside them. Never joined in one number."_html) +
+      definition("± standard error"_html,
+                 "One standard error. Measured numbers: block averages over the steady window. "
+                 "Coefficients: covariance of the fit. Profile errors: scatter of the DEM profile "
+                 "only. Bands: covariance of the law only. All of it is scatter in time of one run "
+                 "on one base: another seed, so another base and packing, scatters more. A "
+                 "relative <i>L</i><sub>2</sub> is never "
+                 "negative, so noise alone makes it positive: compare with rms / s.e., which is 1 "
+                 "for a perfect prediction."_html) +
+      definition("In sample, interpolation, extrapolation"_html,
+                 "Tilt fitted; between fitted tilts; outside them. Never joined in one number. All "
+                 "runs of a campaign share one seed, so one base and one packing."_html) +
+      definition("Predicted <i>μ</i>"_html,
+                 "Is tan <i>θ</i> by the balance of forces, whatever the law: its difference "
+                 "from the measured one tests the DEM, not the law."_html) +
       definition("d ln <i>I</i> / d ln <i>μ</i>"_html,
                  "How much an error of the friction grows: at 6, a friction 1 % off gives an "
                  "<i>I</i>, and a velocity, about 6 % off."_html) +

@@ -18,8 +18,10 @@ Html kind_heading(SampleKind kind) {
       return "In sample: the law was fitted to these runs"_html;
     case SampleKind::interpolation:
       return "Predicted, interpolation: tilts between the fitted ones"_html;
-    default:
+    case SampleKind::extrapolation:
       return "Predicted, extrapolation: tilts outside the fitted ones"_html;
+    default:
+      return "Predicted by an independent table: none of these runs was fitted"_html;
   }
 }
 
@@ -156,7 +158,8 @@ Html all_groups(const std::vector<FigureGroup>& groups, const Pictures& pictures
 
 Table time_table(const Report& report) {
   Table result{.caption =
-                   "Error when only part of the averaging time is used; profile errors are "
+                   "Error when only part of the averaging time is used. The law is held against "
+                   "the fit to everything, which contains that part; profile errors are "
                    "relative <i>L</i><sub>2</sub> of <i>u</i>."_html,
                .head = {"Averaging time [√(<i>d</i>/<i>g</i>)]"_html,
                         "DEM wall time"_html,

@@ -56,6 +56,7 @@ Html run_label(const RunComparison& run);
 std::vector<const RunComparison*> runs_of(const Report& report, calibration::SampleKind kind);
 inline constexpr calibration::SampleKind all_kinds[] = {calibration::SampleKind::in_sample,
                                                         calibration::SampleKind::interpolation,
-                                                        calibration::SampleKind::extrapolation};
+                                                        calibration::SampleKind::extrapolation,
+                                                        calibration::SampleKind::independent};
 
 }  // namespace grainlaw::report

@@ -220,6 +220,7 @@ std::vector<Line> lines(const Report& report) {
   add(error_line(report, SampleKind::in_sample, "In sample"_html));
   add(error_line(report, SampleKind::interpolation, "Interpolation"_html));
   add(error_line(report, SampleKind::extrapolation, "Extrapolation"_html));
+  add(error_line(report, SampleKind::independent, "Independent table"_html));
   if (report.runs.empty()) return result;
   add(start_line(report));
   add(answers_line(report));

@@ -53,10 +53,11 @@ TEST(SampleKind, IsDecidedByTheFittedTilts) {
   EXPECT_EQ(sample_kind(23 * degree, fitted), SampleKind::interpolation);
   EXPECT_EQ(sample_kind(26 * degree, fitted), SampleKind::extrapolation);
   EXPECT_EQ(sample_kind(20 * degree, fitted), SampleKind::extrapolation);
-  EXPECT_EQ(sample_kind(23 * degree, {}), SampleKind::extrapolation);
+  EXPECT_EQ(sample_kind(23 * degree, {}), SampleKind::independent);
   EXPECT_EQ(name(SampleKind::in_sample), "in sample");
   EXPECT_EQ(name(SampleKind::interpolation), "interpolation");
   EXPECT_EQ(name(SampleKind::extrapolation), "extrapolation");
+  EXPECT_EQ(name(SampleKind::independent), "independent table");
 }
 
 TEST(ProfileError, IdenticalProfilesHaveNone) {

@@ -61,6 +61,18 @@ TEST(SteadyState, RelaxingSeriesIsNotSteadyTooEarly) {
   EXPECT_FALSE(assessment.certain);
 }
 
+TEST(SteadyState, ASlowRelaxationIsNotTakenForSteadyBeforeThreeOfItsTimes) {
+  constexpr double relaxation = 100.0;
+  const auto approach = [&](double t) { return 2.0 * (1.0 - std::exp(-t / relaxation)); };
+  for (int frames = 20; frames <= 400; frames += 10) {
+    const auto series = frames_of(approach, 0.06, frames);
+    const Assessment assessment = assess(series, criteria);
+    if (assessment.state != FlowState::steady) continue;
+    // The noise of 3 % lets the velocity pass 63 % a little early: a fifth of a relaxation time.
+    EXPECT_GE(series[assessment.first_frame].begin, 3.0 * 0.8 * relaxation) << frames;
+  }
+}
+
 TEST(SteadyState, ShortSeriesIsShort) {
   const Assessment assessment = assess(frames_of([](double) { return 2.0; }, 0.1, 30), criteria);
   EXPECT_EQ(assessment.state, FlowState::too_short) << assessment.reason;
