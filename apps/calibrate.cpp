@@ -156,7 +156,7 @@ void add_error_lines(Summary& summary, const std::vector<report::RunComparison>&
                            label,
                            100.0 * run.error->velocity.value,
                            100.0 * run.error->velocity.error,
-                           "% velocity error (relative L2, base layer included)");
+                           "% of the velocity (relative L2)");
     } else {
       summary.add(
           "answer_" + key, label, run.steady.answer.text + "; DEM: " + run.data.window.reason);

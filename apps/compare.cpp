@@ -50,7 +50,7 @@ void add_lines(Summary& summary, const report::RunComparison& run) {
                        label,
                        100.0 * run.error->velocity.value,
                        100.0 * run.error->velocity.error,
-                       "% velocity error (relative L2)");
+                       "% of the velocity (relative L2)");
 }
 
 ExitCode compare(const Arguments& arguments, const CommonOptions& options) {

@@ -192,6 +192,87 @@ TEST_F(Programs, ALayerThatStaysAtRestEndsWithItsReason) {
   EXPECT_TRUE(fs::exists(path("rest.h5")));
 }
 
+TEST_F(Programs, ASteepLayerIsCalledAcceleratingBeforeItsTimeIsUp) {
+  const Output answer = grainlaw("dem " + small_scene("40") + " --quiet -o " + path("steep.h5"));
+  EXPECT_EQ(answer.code, 2);
+  EXPECT_NE(answer.text.find("accelerating"), std::string::npos) << answer.text;
+}
+
+TEST_F(Programs, ADepthBecomesTheMassThatStandsThatHigh) {
+  const std::string question =
+      write("deep.toml", "units = \"grain\"\n[chute]\ninclination = 24\ndepth = 35.5\n");
+  const Output answer = grainlaw("predict " + question + published + " --json");
+  ASSERT_EQ(answer.code, 0) << answer.text;
+  EXPECT_NEAR(nlohmann::json::parse(answer.text)["height"].get<double>(), 35.5, 1e-8);
+}
+
+TEST_F(Programs, OutputTimesAreAnswered) {
+  const std::string question =
+      chute_case("24", "answer = \"start\"\n") + " --json -o " + path("start.csv");
+  std::ofstream(path("case.toml"), std::ios::app) << "[transient]\noutput_times = [5.0, 20.0]\n";
+  const Output answer = grainlaw("predict " + question + published);
+  ASSERT_EQ(answer.code, 0) << answer.text;
+  const auto json = nlohmann::json::parse(answer.text);
+  EXPECT_LT(json["surface_velocity_at_5"], json["surface_velocity_at_20"]);
+  EXPECT_TRUE(fs::exists(path("start_t5.csv")) && fs::exists(path("start_t20.csv")));
+}
+
+TEST_F(Programs, AnInputIsNeverOverwritten) {
+  const std::string question = chute_case("24");
+  const Output answer = grainlaw("predict " + question + published + " -o " + question);
+  EXPECT_EQ(answer.code, 1);
+  EXPECT_NE(answer.text.find("overwritten"), std::string::npos) << answer.text;
+}
+
+TEST_F(Programs, AClosedStderrIsNoReasonToCrash) {
+  EXPECT_EQ(run("(" + bin + "/grainlaw predict " + chute_case("15") + published + " 2>&-)").code,
+            2);
+  EXPECT_EQ(run("(" + bin + "/grainlaw fly 2>/dev/full)").code, 1);
+}
+
+/// A campaign of small chutes, calibrated once for several questions.
+class Campaign : public Programs {
+ protected:
+  Output calibrate(const std::string& more) const {
+    return grainlaw("calibrate " + campaign_ + " --json -o " + path("report") + more);
+  }
+  std::string run_file(const std::string& tilt) const {
+    return path("report/runs/theta" + tilt + ".h5");
+  }
+
+ private:
+  std::string campaign_ = [this] {
+    small_scene("24");
+    return write("campaign.toml",
+                 "title = \"small\"\nscene = \"scene.toml\"\n"
+                 "[tilts]\ncalibrate = [24.0, 27.0]\npredict = [25.5]\n");
+  }();
+};
+
+TEST_F(Campaign, GoesTheWholeWayAndRefusesRunsThatAreNotItsOwn) {
+  const Output whole = calibrate("");
+  ASSERT_EQ(whole.code, 0) << whole.text;
+  for (const char* file :
+       {"report.html", "report.json", "table.toml", "predictions/theta25.5.csv"}) {
+    EXPECT_TRUE(fs::exists(path("report/" + std::string(file)))) << file;
+  }
+  std::ifstream report(path("report/report.json"));
+  EXPECT_NO_THROW(nlohmann::json::parse(report));
+
+  const std::string fitted = " --from " + run_file("24") + " " + run_file("27");
+  EXPECT_EQ(calibrate(fitted).code, 0);
+  const Output twice = calibrate(fitted + " " + run_file("24"));
+  EXPECT_EQ(twice.code, 1);
+  EXPECT_NE(twice.text.find("twice"), std::string::npos) << twice.text;
+
+  const Output compared = grainlaw("compare " + run_file("25.5") + " --table " +
+                                   path("report/table.toml") + " -o " + path("compared"));
+  EXPECT_EQ(compared.code, 0) << compared.text;
+  const Output other = grainlaw("compare " + run_file("25.5") + " --table " + data +
+                                "/tables/shi2020_mu_p_0.01.toml -o " + path("compared"));
+  EXPECT_NE(other.text.find("contact friction 0.5"), std::string::npos) << other.text;
+}
+
 TEST_F(Programs, AFolderThatCannotBeWrittenIsAResourceError) {
   const Output answer =
       grainlaw("predict " + chute_case("24") + published + " -o /proc/none/profile.csv");
