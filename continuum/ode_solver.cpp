@@ -7,7 +7,9 @@
 #include <sunlinsol/sunlinsol_band.h>
 #include <sunmatrix/sunmatrix_band.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <exception>
 
 namespace grainlaw::continuum {
@@ -95,7 +97,7 @@ int jacobian(double t,
 }
 
 /// Our own weights, since CVODE 6.4 loses its data when scalar tolerances are changed on the way.
-int error_weights(N_Vector y, N_Vector weights, void* user) {
+int error_weights(N_Vector y, N_Vector weights, void* user) noexcept {
   const auto& callback = *static_cast<const Callback*>(user);
   const auto state = values(y);
   const auto weight = values(weights);
@@ -110,8 +112,11 @@ int event(double t, N_Vector y, double* value, void* user) {
   return callback.guarded([&] { *value = callback.system.event(t, values(y)); });
 }
 
-void keep_message(int, const char*, const char*, char* message, void* user) {
-  static_cast<Callback*>(user)->message = message;
+void keep_message(int, const char*, const char*, char* message, void* user) noexcept {
+  try {
+    static_cast<Callback*>(user)->message = message;
+  } catch (...) {  // out of memory: the name of the failed call has to do
+  }
 }
 
 }  // namespace
@@ -129,6 +134,7 @@ struct OdeSolver::Implementation {
             checked(LinearSolver(SUNLinSol_Band(state.get(), matrix.get(), context.get())),
                     "SUNLinSol_Band")),
         cvode(checked(Cvode(CVodeCreate(CV_BDF, context.get())), "CVodeCreate")),
+        time_unit(options.time_unit),
         end_time(options.end_time) {
     std::copy(start.begin(), start.end(), values(state.get()).begin());
     void* memory = cvode.get();
@@ -153,12 +159,13 @@ struct OdeSolver::Implementation {
 
   [[noreturn]] void fail(int flag) {
     if (callback.error) std::rethrow_exception(callback.error);
-    const std::unique_ptr<char, decltype(&std::free)> flag_name(CVodeGetReturnFlagName(flag),
-                                                                &std::free);
+    const std::unique_ptr<char, decltype(&std::free)> flag_name(
+        checked(CVodeGetReturnFlagName(flag), "CVodeGetReturnFlagName"), &std::free);
     throw SolverError(
-        fmt::format("the time integration stopped at t = {:.6g} with {}: {}; fastest "
+        fmt::format("the time integration stopped at t = {:.6g}{} with {}: {}; fastest "
                     "change in {}",
                     time,
+                    time_unit,
                     flag_name.get(),
                     callback.message,
                     callback.system.component_name(fastest_component())));
@@ -166,8 +173,8 @@ struct OdeSolver::Implementation {
 
   /// Index of the unknown that changes fastest in units of its tolerance.
   std::size_t fastest_component() {
-    const Vector weights(N_VClone(state.get()));
-    if (CVodeGetErrWeights(cvode.get(), weights.get()) < 0) return 0;
+    const Vector weights = checked(Vector(N_VClone(state.get())), "N_VClone");
+    check(CVodeGetErrWeights(cvode.get(), weights.get()), "CVodeGetErrWeights");
     const auto change = values(scratch.get());
     callback.system.rate(time, values(state.get()), change);
     const auto weight = values(weights.get());
@@ -185,6 +192,7 @@ struct OdeSolver::Implementation {
   Matrix matrix;
   LinearSolver linear_solver;
   Cvode cvode;
+  std::string time_unit;
   double end_time;
   double time = 0.0;
 };
@@ -227,11 +235,15 @@ std::vector<double> OdeSolver::interpolate(double time) const {
 SolverStatistics OdeSolver::statistics() const {
   void* memory = self_->cvode.get();
   SolverStatistics statistics;
-  CVodeGetNumSteps(memory, &statistics.steps);
-  CVodeGetNumRhsEvals(memory, &statistics.rhs_evaluations);
-  CVodeGetNumJacEvals(memory, &statistics.jacobian_evaluations);
-  CVodeGetNumErrTestFails(memory, &statistics.error_test_failures);
-  CVodeGetNumNonlinSolvConvFails(memory, &statistics.newton_failures);
+  const auto count = [&](auto get, long& number, const char* call) {
+    self_->check(get(memory, &number), call);
+  };
+  count(CVodeGetNumSteps, statistics.steps, "CVodeGetNumSteps");
+  count(CVodeGetNumRhsEvals, statistics.rhs_evaluations, "CVodeGetNumRhsEvals");
+  count(CVodeGetNumJacEvals, statistics.jacobian_evaluations, "CVodeGetNumJacEvals");
+  count(CVodeGetNumErrTestFails, statistics.error_test_failures, "CVodeGetNumErrTestFails");
+  count(
+      CVodeGetNumNonlinSolvConvFails, statistics.newton_failures, "CVodeGetNumNonlinSolvConvFails");
   return statistics;
 }
 

@@ -42,6 +42,7 @@ struct OdeOptions {
   double absolute_tolerance = 1e-10;
   double end_time = 0.0;  ///< no step goes beyond
   bool stop_at_event = true;
+  std::string time_unit{};  ///< follows times in messages
 };
 
 /// Stiff integrator: CVODE with BDF, Newton and a direct solve of the band matrix. The system must
