@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -30,16 +31,28 @@ std::optional<Profile> moved_profile(const RheologyTable& table,
   set_coefficient(moved, name, value);
   const Layer layer = make_layer(moved, chute);
   const Verdict verdict = steady_verdict(layer);
-  if (verdict.outcome != Outcome::steady && verdict.outcome != Outcome::plug) return std::nullopt;
+  if (!flows(verdict.outcome)) return std::nullopt;
   return in_case_units(layer, steady_profile(layer, verdict.plug_mass, options));
 }
 
-Sensitivity difference(const Profile& high, const Profile& low, double steps) {
+double volume_fraction_slope(const std::vector<ProfileRow>& rows, std::size_t i) {
+  const ProfileRow& below = rows[i == 0 ? 0 : i - 1];
+  const ProfileRow& above = rows[std::min(i + 1, rows.size() - 1)];
+  return (above.volume_fraction - below.volume_fraction) / (above.z - below.z);
+}
+
+/// Rows of two moved profiles belong to the same relative mass. A band is drawn over z, so what the
+/// shift of a row alone changes is taken off: d/dc at fixed z = d/dc at fixed row - d/dz dz/dc.
+Sensitivity difference(const Profile& at, const Profile& high, const Profile& low, double steps) {
   Sensitivity result;
-  for (std::size_t i = 0; i < high.rows.size(); ++i) {
-    result.velocity.push_back((high.rows[i].velocity - low.rows[i].velocity) / steps);
-    result.volume_fraction.push_back((high.rows[i].volume_fraction - low.rows[i].volume_fraction) /
-                                     steps);
+  for (std::size_t i = 0; i < at.rows.size(); ++i) {
+    const ProfileRow& h = high.rows[i];
+    const ProfileRow& l = low.rows[i];
+    const double shift = h.z - l.z;
+    result.velocity.push_back((h.velocity - l.velocity - at.rows[i].shear_rate * shift) / steps);
+    result.volume_fraction.push_back(
+        (h.volume_fraction - l.volume_fraction - volume_fraction_slope(at.rows, i) * shift) /
+        steps);
   }
   return result;
 }
@@ -57,9 +70,9 @@ std::optional<Sensitivity> sensitivity(const RheologyTable& table,
   const bool has_low = value < 0.0 || value >= step;
   const auto low =
       has_low ? moved_profile(table, chute, options, name, value - step) : std::nullopt;
-  if (high && low) return difference(*high, *low, 2.0 * step_in_errors);
-  if (high) return difference(*high, profile, step_in_errors);
-  if (low) return difference(profile, *low, step_in_errors);
+  if (high && low) return difference(profile, *high, *low, 2.0 * step_in_errors);
+  if (high) return difference(profile, *high, profile, step_in_errors);
+  if (low) return difference(profile, profile, *low, step_in_errors);
   return std::nullopt;
 }
 
