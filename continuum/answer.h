@@ -28,9 +28,9 @@ constexpr bool flows(Outcome outcome) {
 
 /// The law was used outside the range of its data (never silent).
 struct RangeFlag {
-  std::string quantity;  ///< "I", "p*", "Bo", "phi", "inclination"
-  double lower = 0.0;    ///< range of the data
-  double upper = 0.0;
+  std::string quantity;         ///< "I", "p*", "Bo", "phi", "inclination", "depth [d]"
+  double lower = 0.0;           ///< range of the data, or that in which the law has a meaning
+  double upper = 0.0;           ///< infinite for the depth
   double reached_lowest = 0.0;  ///< values met in this prediction
   double reached_highest = 0.0;
   double fraction_outside = 0.0;  ///< of the flowing mass
@@ -41,7 +41,8 @@ struct Answer {
   std::string text{};  ///< one sentence for a person, with the numbers that decide
   std::vector<RangeFlag> out_of_domain{};
   /// d ln I / d ln mu at the base: by how many percent the shear rate is off when the friction is
-  /// off by one, tan(theta) / (tan(theta) - mu0) for a linear mu(I); 0 where it has no meaning.
+  /// off by one, mu / (mu - mu0) for a linear mu(I), where mu = tan(theta) in a steady flow; 0
+  /// where it has no meaning.
   double condition_number = 0.0;
 };
 

@@ -74,26 +74,17 @@ std::string drive_text(const Layer& layer) {
                      layer.sine / layer.cosine);
 }
 
-/// d ln I / d ln mu of mu(I) at the base: (1 + kappa I) tan / (tan - mu_y), mu_y the yield
-/// friction.
-double condition_number(const Layer& layer, const FlowCurve& base) {
-  const auto* law = std::get_if<MuPhi>(&layer.law);
-  if (!law) return 0.0;
-  const double tau = layer.driving_stress(layer.mass);
-  const double excess = tau - base.yield_stress;
-  return tau / excess * base.linear / (base.linear - base.kappa * excess);
-}
-
 Verdict flowing(const Layer& layer, const FlowCurve& base) {
   const double pressure = layer.pressure(layer.mass);
-  const double shear_rate = base.shear_rate(*base.scaled_rate(layer.driving_stress(layer.mass)));
+  const double tau = layer.driving_stress(layer.mass);
+  const double shear_rate = base.shear_rate(*base.scaled_rate(tau));
   Verdict verdict{.outcome = Outcome::steady,
                   .text = fmt::format("{}, above the yield friction {:.5g}; I = {:.4g} there",
                                       drive_text(layer),
                                       base.yield_stress / pressure,
                                       shear_rate / std::sqrt(pressure)),
                   .plug_mass = plug_edge(layer),
-                  .condition_number = condition_number(layer, base)};
+                  .condition_number = condition_number(layer, tau)};
   if (verdict.plug_mass > 0.0) {
     verdict.outcome = Outcome::plug;
     verdict.text += fmt::format("; the upper {:.3g} % of the mass move as a plug",
@@ -111,8 +102,11 @@ std::string rest_text(const Layer& layer, const FlowCurve& base) {
 std::string no_steady_text(const Layer& layer, const FlowCurve& base) {
   const double pressure = layer.pressure(layer.mass);
   if (no_friction_left(layer))
-    return fmt::format("softness (1 + Bo) p* = {:.4g} at the base takes all friction: f_p <= 0",
-                       confinement(layer.grains, pressure).softness);
+    return fmt::format(
+        "softness (1 + Bo) p* = {:.4g} at the base takes all friction: f_p <= 0 from p_mu = {:.4g} "
+        "on, where the law has no answer",
+        confinement(layer.grains, pressure).softness,
+        std::get<MuPhi>(layer.law).softness_friction->p_mu);
   const double gain = base.linear > 0.0 ? base.linear / base.kappa : 0.0;  // Coulomb: none
   return fmt::format("{}, not below the largest friction {:.5g} of the law there",
                      drive_text(layer),
@@ -146,9 +140,11 @@ Layer make_layer(const RheologyTable& table, const ChuteCase& chute) {
   const double mass = chute.mass_per_area / units.mass_per_area - base.mass_below;
   if (!(mass > 0.0))
     throw std::invalid_argument(
-        fmt::format("mass_per_area = {} is all below the effective base (mass_below = {} rho_p d)",
+        fmt::format("mass_per_area = {} is all below the effective base of the table (mass_below = "
+                    "{} rho_p d): give a deeper layer, more than {:.4g}",
                     chute.mass_per_area,
-                    base.mass_below));
+                    base.mass_below,
+                    base.mass_below * units.mass_per_area));
   const double inclination = std::abs(chute.inclination);
   return {.law = dimensionless(table.law, units),
           .grains = dimensionless(chute.grains, units),
@@ -159,6 +155,14 @@ Layer make_layer(const RheologyTable& table, const ChuteCase& chute) {
           .cosine = std::cos(inclination),
           .mass = mass,
           .base_height = base.no_slip_height};
+}
+
+double condition_number(const Layer& layer, double tau) {
+  if (!std::holds_alternative<MuPhi>(layer.law)) return 0.0;
+  const FlowCurve base = layer.curve(layer.mass);
+  const double excess = tau - base.yield_stress;
+  if (excess <= 0.0) return 0.0;
+  return tau / excess * base.linear / (base.linear - base.kappa * excess);
 }
 
 bool no_friction_left(const Layer& layer) {

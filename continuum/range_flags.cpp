@@ -58,6 +58,14 @@ void flag_inclination(std::vector<RangeFlag>& flags, const Layer& layer) {
                    1.0});
 }
 
+/// A continuum law has no meaning in a layer of a few grains, whatever its data.
+void flag_depth(std::vector<RangeFlag>& flags, const Profile& profile) {
+  constexpr double shallowest = 5.0;
+  if (profile.rows.empty() || profile.height >= shallowest) return;
+  constexpr double unbounded = std::numeric_limits<double>::infinity();
+  flags.push_back({"depth [d]", shallowest, unbounded, profile.height, profile.height, 1.0});
+}
+
 /// Bond numbers a table covers; cohesive grains on a law without cohesion are outside at once.
 std::optional<Range> bond_range(const Layer& layer, const RheologyTable& table) {
   if (table.range.bond_number) return table.range.bond_number;
@@ -73,6 +81,7 @@ std::vector<RangeFlag> range_flags(const Layer& layer,
                                    const Profile& profile) {
   std::vector<RangeFlag> flags;
   flag_inclination(flags, layer);
+  flag_depth(flags, profile);
   if (const auto& range = table.range.inertial_number)
     flag(flags, "I", *range, profile, [](const ProfileRow& row) { return row.inertial_number; });
   if (const auto& range = table.range.softness; range && layer.grains.stiffness)

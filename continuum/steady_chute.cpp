@@ -179,8 +179,7 @@ SteadyChute steady_chute(const RheologyTable& table,
   result.answer.text = std::move(verdict.text);
   result.answer.condition_number = verdict.condition_number;
   Profile profile;
-  if (flows(verdict.outcome))
-    profile = steady_profile(layer, verdict.plug_mass, options);
+  if (flows(verdict.outcome)) profile = steady_profile(layer, verdict.plug_mass, options);
   result.answer.out_of_domain = range_flags(layer, table, profile);
   result.profile = in_case_units(layer, std::move(profile));
   return result;

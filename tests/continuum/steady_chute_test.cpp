@@ -161,7 +161,12 @@ TEST(SteadyChute, CutsTheDomainAtTheEffectiveBase) {
   EXPECT_NEAR(cut.rows.front().mass_above, 52.2, 1e-13);
   EXPECT_NEAR(cut.surface_velocity, whole.surface_velocity, 1e-11);
   EXPECT_NEAR(cut.height, whole.height + 1.1, 1e-11);
-  EXPECT_THROW(steady_chute(table, chute(24, 0.6)), std::invalid_argument);
+  try {
+    steady_chute(table, chute(24, 0.6));
+    FAIL() << "flows below its base";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_NE(std::string(error.what()).find("more than 0.6"), std::string::npos) << error.what();
+  }
 }
 
 TEST(SteadyChute, ReducesToTheSimplerLawWhenAParameterVanishes) {
@@ -233,6 +238,14 @@ TEST(RangeFlags, NameADiluteFlow) {
   const auto answer = steady_chute(frictional, chute(33, 52.2)).answer;
   ASSERT_NE(find(answer, "phi"), nullptr);
   EXPECT_LT(find(answer, "phi")->reached_lowest, 0.5);
+}
+
+TEST(RangeFlags, NameALayerOfAFewGrains) {
+  const auto thin = steady_chute(frictional, chute(24, 2.0));
+  ASSERT_NE(find(thin.answer, "depth [d]"), nullptr);
+  EXPECT_EQ(find(thin.answer, "depth [d]")->reached_lowest, thin.profile.height);
+  EXPECT_EQ(find(steady_chute(frictional, chute(24, 3.0)).answer, "depth [d]"), nullptr);
+  EXPECT_TRUE(steady_chute(frictional, chute(15, 2.0)).answer.out_of_domain.empty());  // rests
 }
 
 TEST(RangeFlags, BagnoldTableIsValidAtItsOwnTiltOnly) {
