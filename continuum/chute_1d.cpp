@@ -18,6 +18,7 @@ namespace {
 
 constexpr long largest_number_of_steps = 1'000'000;
 constexpr double settling_times_allowed = 5.0;
+constexpr double steady_within = 0.01;  // of the final mean velocity
 
 void require(bool holds, const char* name, double value, const char* bound) {
   if (!holds) throw std::invalid_argument(fmt::format("{} = {} must be {}", name, value, bound));
@@ -78,6 +79,24 @@ double settling_time(const ShearLayer& system, Outcome ahead, double residual) {
   return system.relaxation_time(system.steady_state()) * std::log(1.0 / residual);
 }
 
+struct MeanVelocity {
+  double time;
+  double value;
+};
+
+/// When the mean velocity came close to its last value to stay. Between two steps its distance from
+/// there is taken to decay exponentially, as every start ends.
+double time_to_steady(const std::vector<MeanVelocity>& history) {
+  const double last = history.back().value;
+  const auto distance = [&](std::size_t i) { return std::abs(history[i].value - last); };
+  std::size_t i = history.size() - 1;
+  while (i > 0 && distance(i - 1) <= steady_within * last) --i;
+  if (i == 0) return 0.0;
+  const double share =
+      std::log(distance(i - 1) / (steady_within * last)) / std::log(distance(i - 1) / distance(i));
+  return history[i - 1].time + share * (history[i].time - history[i - 1].time);
+}
+
 enum class End { steady, dense_state_lost, time_limit, step_limit };
 
 /// One start, in units d = rho_p = g = 1 until the result is filled.
@@ -91,7 +110,9 @@ struct Start {
   const double settling_time;
   const std::vector<double> output_times;
   TransientChute result{};
+  std::vector<MeanVelocity> history{{0.0, 0.0}};  // after every step towards a steady flow
 
+  void take_verdict();
   void rest();
   void flow();
 
@@ -133,14 +154,19 @@ void Start::take_snapshots(const OdeSolver& solver) {
   }
 }
 
-/// The layer stays as it is: held by its yield stress, or the law has no answer.
+/// All there is to say where the law has no answer: neither a flow nor rest.
+void Start::take_verdict() {
+  result.answer = {.outcome = verdict.outcome,
+                   .text = verdict.text,
+                   .out_of_domain = range_flags(layer, table, {})};
+}
+
+/// The layer stays as it is, held by its yield stress.
 void Start::rest() {
+  take_verdict();
   const Profile still = system.at_rest();
   for (const double time : output_times) take_snapshot(time, still);
   result.final_profile = in_case_units(layer, still);
-  result.answer.outcome = verdict.outcome;
-  result.answer.text = verdict.text;
-  result.answer.out_of_domain = range_flags(layer, table, {});
 }
 
 bool Start::settled(const OdeSolver& solver) const {
@@ -153,6 +179,8 @@ End Start::integrate(OdeSolver& solver) {
   for (long steps = 0; steps < largest_number_of_steps; ++steps) {
     const auto last = solver.step();
     take_snapshots(solver);
+    if (flows(verdict.outcome))
+      history.push_back({solver.time(), system.mean_velocity(solver.state())});
     if (last == OdeSolver::Step::event) return End::dense_state_lost;
     const bool may_stop =
         options.stop_when_steady && result.snapshots.size() == output_times.size();
@@ -179,10 +207,9 @@ Outcome Start::outcome(End end) const {
 
 std::string Start::text(End end, std::span<const double> q, const Profile& last) const {
   std::string text = fmt::format(
-      "{}; at t = {:.4g} the largest |du/dt| is {:.2g} g sin(theta), the surface gains {:.3g} g, I "
-      "is at most {:.4g}",
+      "{}; at the end the largest |du/dt| is {:.2g} g sin(theta), the surface gains {:.3g} g, I is "
+      "at most {:.4g}",
       verdict.text,
-      result.end_time,
       result.residual,
       system.surface_acceleration(q),
       system.largest_inertial_number(q));
@@ -215,18 +242,20 @@ void Start::flow() {
                     .absolute_tolerance = options.absolute_tolerance,
                     .end_time = time_limit(),
                     // above the largest friction I -> I_phi is part of accelerating for ever
-                    .stop_at_event = verdict.outcome != Outcome::no_steady});
+                    .stop_at_event = verdict.outcome != Outcome::no_steady,
+                    .time_unit = " sqrt(d/g)"});
   const End end = integrate(solver);
   const auto q = solver.state();
   const Profile last = profile(q);
   result.final_profile = in_case_units(layer, last);
   result.end_time = solver.time() * layer.units.time;
+  if (end == End::steady) result.time_to_steady = time_to_steady(history) * layer.units.time;
   result.residual = system.largest_acceleration(q) / layer.sine;
   result.statistics = solver.statistics();
   result.answer = {.outcome = outcome(end),
                    .text = text(end, q, last),
                    .out_of_domain = range_flags(layer, table, last),
-                   .condition_number = verdict.condition_number};
+                   .condition_number = condition_number(layer, last.rows.front().shear_stress)};
 }
 
 }  // namespace
@@ -249,7 +278,10 @@ TransientChute start_from_rest(const RheologyTable& table,
               .system = system,
               .settling_time = settling_time(system, verdict.outcome, options.steady_residual),
               .output_times = sorted_times(options, layer.units.time)};
-  if (start.verdict.outcome == Outcome::arrested || no_friction_left(layer))
+  start.result.settling_time = start.settling_time * layer.units.time;
+  if (no_friction_left(layer))
+    start.take_verdict();
+  else if (start.verdict.outcome == Outcome::arrested)
     start.rest();
   else
     start.flow();

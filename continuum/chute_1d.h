@@ -39,7 +39,8 @@ SteadyChute steady_chute(const RheologyTable& table,
                          const SteadyOptions& options = {});
 
 /// Fills velocity_error and volume_fraction_error of a steady profile by linear propagation of the
-/// table's covariance; leaves it untouched when the table states no errors.
+/// table's covariance: one standard error at the height z of the row, which includes that of the
+/// no-slip height. Leaves the profile untouched when the table states no errors.
 void add_error_band(SteadyChute& steady, const RheologyTable& table, const ChuteCase& chute);
 
 struct TransientOptions {
@@ -66,17 +67,26 @@ struct Snapshot {
 };
 
 struct TransientChute {
-  Answer answer;
-  Profile final_profile;
+  Answer answer;                    ///< of the state at the end of the run
+  Profile final_profile;            ///< empty where the law has left physics
   std::vector<Snapshot> snapshots;  ///< at the output times that were reached
   double end_time = 0.0;            ///< [time]
-  double residual = 0.0;            ///< max |du/dt| / (g sin(theta)) at the end
+  /// Estimate made before the run: when a start will be over but for steady_residual; 0 where no
+  /// steady flow lies ahead [time]
+  double settling_time = 0.0;
+  /// Time at which the mean velocity came within 1 % of its final value to stay; absent unless the
+  /// run ended steady [time]
+  std::optional<double> time_to_steady{};
+  double residual = 0.0;  ///< max |du/dt| / (g sin(theta)) at the end
   SolverStatistics statistics;
 };
 
 /// Start of the layer from rest, du/dt = g sin(theta) - dtau/dM, by the method of lines: scaled
 /// shear rate at the faces as state, CVODE BDF with banded analytic Jacobian. Rows at the base, the
-/// cell centres and the surface; second order in 1/cells. A layer below repose is ARRESTED at once.
+/// cell centres and the surface; second order in 1/cells. A layer below repose is ARRESTED at once;
+/// one whose softness takes all friction is NO_STEADY without a profile. Shear rates only rise from
+/// rest (the equation is parabolic and its rate starts positive), so the range flags of the state
+/// at the end tell the highest I and the lowest phi of the whole run.
 /// Throws TableError and std::invalid_argument like steady_chute, and SolverError when CVODE fails;
 /// the message names cell, variable and time.
 TransientChute start_from_rest(const RheologyTable& table,

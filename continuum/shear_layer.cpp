@@ -93,6 +93,13 @@ double ShearLayer::largest_inertial_number(std::span<const double> q) const {
   return largest;
 }
 
+double ShearLayer::mean_velocity(std::span<const double> q) const {
+  double momentum = 0.0;  // int u dM = int M |du/dM| dM by parts
+  for (std::size_t k = 0; k < size(); ++k)
+    momentum += q[k] / curves_[k].mobility * grid_.distance[k] * grid_.face[k];
+  return momentum / layer_.mass;
+}
+
 std::vector<double> ShearLayer::steady_state() const {
   std::vector<double> q;
   for (std::size_t k = 0; k < size(); ++k)

@@ -45,6 +45,8 @@ class ShearLayer : public OdeSystem {
   double surface_acceleration(std::span<const double> q) const { return acceleration(q, 0); }
   double largest_inertial_number(std::span<const double> q) const;
 
+  double mean_velocity(std::span<const double> q) const;  ///< of the mass
+
   /// q at which tau(q) carries the layer without acceleration.
   std::vector<double> steady_state() const;
   /// Response of the surface velocity to the drive, du_s / d(g sin(theta)) = int M / (K tau') dM

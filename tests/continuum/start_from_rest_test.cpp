@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -66,7 +67,80 @@ TEST(StartFromRest, AcceleratesAboveTheLargestFrictionTowardsItsLimit) {
 TEST(StartFromRest, RefusesASoftLayerThatHasNoFrictionLeft) {
   const auto run = start_from_rest(frictional, chute(24, 52.2, {.stiffness = 100.0}));
   EXPECT_EQ(run.answer.outcome, Outcome::no_steady);
-  EXPECT_EQ(run.end_time, 0.0);
+  EXPECT_NE(run.answer.text.find("p_mu = 0.3905"), std::string::npos) << run.answer.text;
+  EXPECT_TRUE(run.final_profile.rows.empty());  // not a layer at rest
+  EXPECT_TRUE(run.snapshots.empty());
+  EXPECT_FALSE(run.time_to_steady);
+}
+
+TEST(StartFromRest, TimeToSteadyOfAViscousLayerIsThatOfItsSlowestMode) {
+  // Mean velocity of a film, mobility b phi in the mass coordinate: 1 - sum 96 / (pi n)^4
+  // exp(-(pi n / 2)^2 b phi t / M^2) over odd n; at 1 % only n = 1 is left.
+  const double b = 0.8, phi = 0.58, mass = 29.0, pi = std::numbers::pi;
+  const double decay_time = 4.0 * mass * mass / (pi * pi * b * phi);
+  const auto table = table_of(bagnold_at_24_degrees(0.0, b, 0.0));
+  const auto run = start_from_rest(table, chute(24, mass), {.relative_tolerance = 1e-8});
+  ASSERT_TRUE(run.time_to_steady);
+  // an error of the velocity counts 100 times at 1 %: 1e-8 in every step, and the grid
+  const double steps = static_cast<double>(run.statistics.steps);
+  const double tolerance = 100.0 * (1e-8 * steps + 0.25 / 200.0 / 200.0);
+  const double expected = decay_time * std::log(9600.0 / std::pow(pi, 4));
+  EXPECT_NEAR(*run.time_to_steady, expected, tolerance * decay_time);
+  // relaxation_time is within 25 % of decay_time
+  EXPECT_NEAR(run.settling_time / (decay_time * std::log(1e8)), pi * pi / 8.0, 0.001);
+}
+
+TEST(StartFromRest, HasATimeToSteadyOnlyWhenItGotThere) {
+  EXPECT_TRUE(start(24).time_to_steady);
+  EXPECT_FALSE(start(24, {.time_limit = 100.0}).time_to_steady);
+  EXPECT_FALSE(start(40, {.time_limit = 100.0}).time_to_steady);
+  EXPECT_FALSE(start(15).time_to_steady);
+  EXPECT_EQ(start(40, {.time_limit = 100.0}).settling_time, 0.0);
+}
+
+TEST(StartFromRest, ItsInertialNumberOnlyRisesSoThatTheEndShowsTheHighest) {
+  for (const GrainProperties& grains : {GrainProperties{}, GrainProperties{.adhesion = 1.0}}) {
+    const auto run = start_from_rest(
+        frictional, chute(24, 52.2, grains), {.output_times = {1, 10, 100, 300, 1000, 3000}});
+    const Profile* earlier = nullptr;
+    for (const Snapshot& snapshot : run.snapshots) {
+      for (std::size_t i = 0; earlier && i < earlier->rows.size(); ++i) {
+        const double before = earlier->rows[i].inertial_number;
+        EXPECT_GE(snapshot.profile.rows[i].inertial_number, before - 1e-6 - 1e-4 * before)
+            << "row " << i << " at t = " << snapshot.time;  // 1e-6 per step, up to 100 steps
+      }
+      earlier = &snapshot.profile;
+    }
+  }
+}
+
+TEST(StartFromRest, FlagsTheStateItReachesAndNotThatOfTheSteadyFlow) {
+  auto table = frictional;
+  table.range.inertial_number = Range{0.005, 0.5};
+  const auto run = start_from_rest(table, chute(35.5, 52.2), {.time_limit = 1e4});
+  EXPECT_TRUE(steady_chute(table, chute(35.5, 52.2)).answer.out_of_domain.empty());
+  ASSERT_EQ(run.answer.out_of_domain.size(), 2u);
+  EXPECT_EQ(run.answer.out_of_domain[0].quantity, "I");
+  EXPECT_EQ(run.answer.out_of_domain[0].reached_highest,
+            run.final_profile.rows.front().inertial_number);
+  EXPECT_EQ(run.answer.out_of_domain[1].quantity, "phi");
+  EXPECT_EQ(run.answer.out_of_domain[1].reached_lowest,
+            run.final_profile.rows.front().volume_fraction);
+}
+
+TEST(StartFromRest, StatesTheConditionNumberOfTheFrictionItReached) {
+  const auto run = start(24, {.time_limit = 100.0, .stop_when_steady = false});
+  const auto& base = run.final_profile.rows.front();
+  const double mu = base.shear_stress / base.pressure;
+  const double expected = (1.0 + base.inertial_number / 0.7184) * mu / (mu - 0.3530);
+  EXPECT_NEAR(run.answer.condition_number, expected, 1e-10 * expected);
+  EXPECT_NEAR(start(24).answer.condition_number,
+              steady_chute(frictional, chute(24, 52.2)).answer.condition_number,
+              1e-5);  // the residual of 1e-8 in the friction, over mu - mu0
+}
+
+TEST(StartFromRest, SaysNoTimesWithoutTheirUnit) {
+  EXPECT_EQ(start(24).answer.text.find("t = "), std::string::npos);
 }
 
 TEST(StartFromRest, BeginsAsABlockOverAShearedBase) {
