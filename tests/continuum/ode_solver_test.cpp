@@ -68,13 +68,14 @@ TEST(OdeSolver, PassesOnWhatTheSystemThrows) {
 TEST(OdeSolver, NamesTimeAndUnknownWhenItFails) {
   const BlowUp system;
   const std::vector<double> start{0.5, 1.0, 0.5};
-  OdeSolver solver(system, start, {.end_time = 2.0, .stop_at_event = false});
+  OdeSolver solver(system, start, {.end_time = 2.0, .stop_at_event = false, .time_unit = " s"});
   try {
     while (solver.step() != OdeSolver::Step::end) {
     }
     FAIL() << "went through infinity";
   } catch (const SolverError& error) {
     EXPECT_NE(std::string(error.what()).find("t = 0.9999"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find(" s with"), std::string::npos) << error.what();
     EXPECT_NE(std::string(error.what()).find("y1"), std::string::npos) << error.what();
   }
 }
