@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <nlohmann/json.hpp>
 
@@ -16,6 +17,7 @@ struct Column {
   const char* name;
   double ProfileRow::*member;
   Dimension dimension;
+  bool error = false;
 };
 constexpr auto columns = std::to_array<Column>({
     {"z", &ProfileRow::z, dimension::length},
@@ -26,9 +28,21 @@ constexpr auto columns = std::to_array<Column>({
     {"pressure", &ProfileRow::pressure, dimension::stress},
     {"volume_fraction", &ProfileRow::volume_fraction, dimension::number},
     {"inertial_number", &ProfileRow::inertial_number, dimension::number},
-    {"velocity_error", &ProfileRow::velocity_error, dimension::velocity},
-    {"volume_fraction_error", &ProfileRow::volume_fraction_error, dimension::number},
+    {"velocity_error", &ProfileRow::velocity_error, dimension::velocity, true},
+    {"volume_fraction_error", &ProfileRow::volume_fraction_error, dimension::number, true},
 });
+
+/// An error that is 0 everywhere was never stated; a column of zeros would claim exactness.
+std::vector<Column> columns_of(const Profile& profile) {
+  const auto says_something = [&](const Column& column) {
+    return !column.error || std::ranges::any_of(profile.rows, [&](const ProfileRow& row) {
+      return row.*column.member != 0.0;
+    });
+  };
+  std::vector<Column> out;
+  std::ranges::copy_if(columns, std::back_inserter(out), says_something);
+  return out;
+}
 
 /// One number that holds for the whole profile.
 struct Total {
@@ -70,14 +84,15 @@ std::string profile_csv(const Profile& profile,
                        profile.*total.member * units.size(total.dimension),
                        units.symbol(total.dimension));
   }
+  const std::vector<Column> shown = columns_of(profile);
   const char* separator = "";
-  for (const Column& column : columns) {
+  for (const Column& column : shown) {
     out += fmt::format("{}{} [{}]", separator, column.name, units.symbol(column.dimension));
     separator = ",";
   }
   for (const ProfileRow& row : profile.rows) {
     separator = "\n";
-    for (const Column& column : columns) {
+    for (const Column& column : shown) {
       out += fmt::format("{}{}", separator, row.*column.member * units.size(column.dimension));
       separator = ",";
     }
@@ -104,7 +119,7 @@ std::string profile_json(const Profile& profile,
     out[total.name] = profile.*total.member * units.size(total.dimension);
     out["units"][total.name] = units.symbol(total.dimension);
   }
-  for (const Column& column : columns) {
+  for (const Column& column : columns_of(profile)) {
     nlohmann::ordered_json& values = out["profile"][column.name] = nlohmann::ordered_json::array();
     for (const ProfileRow& row : profile.rows) {
       values.push_back(row.*column.member * units.size(column.dimension));

@@ -9,7 +9,7 @@
 namespace grainlaw::io {
 
 /// A profile in the given units, as CSV with the unit of every column in its header and the answer
-/// in comment lines before it.
+/// in comment lines before it. Errors are there when the table states any.
 std::string profile_csv(const continuum::Profile& profile,
                         const continuum::Answer& answer,
                         const Units& units);

@@ -54,21 +54,6 @@ class TomlText {
   std::string text_;
 };
 
-/// Degrees that give exactly this tilt when they are read, with as few digits as possible; not
-/// every number of radians has some.
-std::optional<double> exact_degrees(double tilt) {
-  const double near = degrees(tilt);
-  for (int digits = 1; digits <= 17; ++digits) {
-    const double candidate = std::stod(fmt::format("{:.{}g}", near, digits));
-    if (radians(candidate) == tilt) return candidate;
-  }
-  for (const double towards : {0.0, 360.0}) {
-    const double candidate = std::nextafter(near, towards);
-    if (radians(candidate) == tilt) return candidate;
-  }
-  return std::nullopt;
-}
-
 void write_law(TomlText& out, const GeneralisedBagnold& law) {
   out.section("law");
   out.line("closure", in_quotes("bagnold"), "|tau| = tau_c + a gd^2 + b gd, at this tilt only");

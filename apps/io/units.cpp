@@ -90,6 +90,11 @@ Unit Units::operator[](Dimension d) const {
 
 std::string Units::symbol(Dimension d) const {
   if (name == "si") return product(d, {"kg", "m", "s"});
+  if (name == "grain") {
+    if (d == dimension::velocity) return "sqrt(g d)";
+    if (d == dimension::time) return "sqrt(d/g)";
+    if (d == dimension::rate) return "sqrt(g/d)";
+  }
   return product(d, {"m", "d", "t"});
 }
 
@@ -145,6 +150,19 @@ double radians(double degrees) {
 }
 double degrees(double radians) {
   return radians * 180.0 / std::numbers::pi;
+}
+
+std::optional<double> exact_degrees(double tilt) {
+  const double near = degrees(tilt);
+  for (int digits = 1; digits <= 17; ++digits) {
+    const double candidate = std::stod(fmt::format("{:.{}g}", near, digits));
+    if (radians(candidate) == tilt) return candidate;
+  }
+  for (const double towards : {0.0, 360.0}) {
+    const double candidate = std::nextafter(near, towards);
+    if (radians(candidate) == tilt) return candidate;
+  }
+  return std::nullopt;
 }
 
 }  // namespace grainlaw::io

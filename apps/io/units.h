@@ -12,6 +12,8 @@ struct Dimension {
   int mass = 0;
   int length = 0;
   int time = 0;
+
+  friend bool operator==(const Dimension&, const Dimension&) = default;
 };
 
 namespace dimension {
@@ -43,7 +45,7 @@ struct Units {
 
   double size(Dimension dimension) const;         ///< of one internal unit, in the file's units
   Unit operator[](Dimension dimension) const;     ///< for a key: "mass/time^2" and the size
-  std::string symbol(Dimension dimension) const;  ///< "kg/s^2" or "m/t^2"; "1" for a number
+  std::string symbol(Dimension dimension) const;  ///< "m/s" or "sqrt(g d)"; "1" for a number
   std::string symbols() const;  ///< what the letters of symbol() stand for, a sentence
 };
 
@@ -67,5 +69,9 @@ double read_stiffness(Section& section, const Units& units);
 /// Degrees to radians.
 double radians(double degrees);
 double degrees(double radians);
+
+/// Degrees that give exactly this tilt when they are read, with as few digits as possible; not
+/// every number of radians has some.
+std::optional<double> exact_degrees(double tilt);
 
 }  // namespace grainlaw::io

@@ -25,7 +25,7 @@ const continuum::Answer steady = answer("steady flow");
 
 TEST(ProfileCsv, HeaderNamesTheUnitOfEveryColumn) {
   const std::string text = profile_csv(two_rows(), steady, grain_units());
-  EXPECT_NE(text.find("\nz [d],mass_above [m/d^2],velocity [d/t],shear_rate [1/t],"
+  EXPECT_NE(text.find("\nz [d],mass_above [m/d^2],velocity [sqrt(g d)],shear_rate [sqrt(g/d)],"
                       "shear_stress [m/(d t^2)],pressure [m/(d t^2)],volume_fraction [1],"),
             std::string::npos)
       << text;
@@ -38,10 +38,20 @@ TEST(ProfileCsv, NumbersAreInTheUnitsOfTheFile) {
   EXPECT_NE(text.find("\n0.1,0,2,0,0,0,0.58,"), std::string::npos) << text;
 }
 
+TEST(ProfileCsv, ErrorsNobodyStatedAreAbsentNotZero) {
+  continuum::Profile profile = two_rows();
+  EXPECT_EQ(profile_csv(profile, steady, grain_units()).find("error"), std::string::npos);
+  EXPECT_EQ(profile_json(profile, steady, grain_units()).find("error"), std::string::npos);
+  profile.rows[1].velocity_error = 0.1;
+  const std::string text = profile_csv(profile, steady, grain_units());
+  EXPECT_NE(text.find("velocity_error [sqrt(g d)]\n"), std::string::npos) << text;
+  EXPECT_EQ(text.find("volume_fraction_error"), std::string::npos) << text;
+}
+
 TEST(ProfileJson, HoldsOutcomeUnitsAndColumns) {
   const std::string text = profile_json(two_rows(), steady, grain_units());
   EXPECT_NE(text.find("\"outcome\": \"STEADY\""), std::string::npos) << text;
-  EXPECT_NE(text.find("\"velocity\": \"d/t\""), std::string::npos);
+  EXPECT_NE(text.find("\"velocity\": \"sqrt(g d)\""), std::string::npos);
 }
 
 TEST(ProfileJson, TextThatIsNoUtf8IsReplacedNotThrown) {

@@ -43,7 +43,10 @@ TEST(Units, SymbolsAreReadable) {
   EXPECT_EQ(si.symbol(dimension::stress), "kg/(m s^2)");
   EXPECT_EQ(si.symbol(dimension::velocity), "m/s");
   EXPECT_EQ(si.symbol(dimension::number), "1");
-  EXPECT_EQ(grain_units().symbol(dimension::rate), "1/t");
+  EXPECT_EQ(grain_units().symbol(dimension::velocity), "sqrt(g d)");
+  EXPECT_EQ(grain_units().symbol(dimension::rate), "sqrt(g/d)");
+  EXPECT_EQ(grain_units().symbol(dimension::time), "sqrt(d/g)");
+  EXPECT_EQ(stiffness_units(1e-5).symbol(dimension::velocity), "d/t");
   EXPECT_EQ(si[dimension::stiffness].text, "mass/time^2");
 }
 
