@@ -13,6 +13,16 @@ namespace {
 
 constexpr std::size_t largest_text = std::size_t{64} << 20;  // bytes; real inputs have a few kB
 
+/// Takes a run, picture or archive for what it is before a parser complains about its first byte.
+void refuse_binary(std::string_view bytes, const std::filesystem::path& path) {
+  const auto refuse = [&](std::string_view what) {
+    throw ReadError(
+        fmt::format("{}:1:1: error: this is {}; a TOML file is expected", path.string(), what));
+  };
+  if (bytes.starts_with("\x89HDF\r\n\x1a\n")) refuse("an HDF5 file, e.g. a run");
+  if (bytes.find('\0') != std::string_view::npos) refuse("a binary file");
+}
+
 std::string unit_text(const Key& key) {
   return key.unit.text.empty() ? "" : fmt::format(" [{}]", key.unit.text);
 }
@@ -29,7 +39,8 @@ struct Found {
     return std::nullopt;
   }
   bool in_range(const TomlValue& at, double value) const {
-    if (!std::isnan(value) && key.bounds.contain(value)) return true;
+    const double compared = key.bounds.unit.empty() ? value : value / key.unit.size;
+    if (!std::isnan(value) && key.bounds.contain(compared)) return true;
     const std::string range = key.bounds.text(key.name);
     problem(at,
             fmt::format("{} = {} is out of range: {}{}",
@@ -225,6 +236,7 @@ InputFile InputFile::open(const std::filesystem::path& path) {
 }
 
 InputFile InputFile::from_text(std::string text, const std::filesystem::path& path) {
+  refuse_binary(text, path);
   auto state = std::make_unique<InputState>();
   state->root = std::get<TomlTable>(parse_toml(text, path).value);
   state->text = std::move(text);
@@ -281,9 +293,6 @@ std::string InputFile::message(std::string_view section,
   return excerpt(state_->path.string(), state_->text, state_->place(section, key), text, hint);
 }
 
-bool InputFile::is_listing() const {
-  return state_->listing;
-}
 const std::string& InputFile::text() const {
   return state_->text;
 }

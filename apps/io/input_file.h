@@ -92,7 +92,7 @@ class Section {
 /// A TOML file that knows where everything stands in it.
 class InputFile {
  public:
-  /// Throws ReadError when the file cannot be read and InputError for a syntax error.
+  /// Throws ReadError when the file cannot be read or is no text, InputError for a syntax error.
   static InputFile open(const std::filesystem::path& path);
   static InputFile from_text(std::string text, const std::filesystem::path& path);
   /// No file: every section is given, every key absent, nothing is a problem. For key lists.
@@ -113,7 +113,6 @@ class InputFile {
                       std::string_view text,
                       std::string_view hint = {}) const;
 
-  bool is_listing() const;
   const std::string& text() const;
   const std::filesystem::path& path() const;
   std::string key_list() const;  ///< Markdown

@@ -16,8 +16,13 @@ bool Bounds::contain(double value) const {
 
 std::string Bounds::text(std::string_view name) const {
   std::string out(name);
-  if (std::isfinite(lower)) out = fmt::format("{} {} {}", lower, lower_allowed ? "<=" : "<", out);
-  if (std::isfinite(upper)) out += fmt::format(" {} {}", upper_allowed ? "<=" : "<", upper);
+  const std::string space = unit.empty() ? "" : " ";
+  if (std::isfinite(lower)) {
+    out = fmt::format("{}{}{} {} {}", lower, space, unit, lower_allowed ? "<=" : "<", out);
+  }
+  if (std::isfinite(upper)) {
+    out += fmt::format(" {} {}{}{}", upper_allowed ? "<=" : "<", upper, space, unit);
+  }
   return out == name ? "" : out;
 }
 

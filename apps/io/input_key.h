@@ -19,6 +19,7 @@ struct Bounds {
   double upper = std::numeric_limits<double>::infinity();
   bool lower_allowed = false;  ///< is the bound itself allowed
   bool upper_allowed = false;
+  std::string_view unit = {};  ///< "d": multiples of the internal unit; empty: as in the file
 
   bool contain(double value) const;
   std::string text(std::string_view name) const;  ///< "0 < name <= 1"; empty: every number
@@ -33,6 +34,10 @@ constexpr Bounds between(double lower, double upper) {
 }
 constexpr Bounds from_to(double lower, double upper) {
   return {lower, upper, true, true};
+}
+/// At least so many grain diameters, whatever the unit of length of the file.
+constexpr Bounds diameters_or_more(double lower) {
+  return {.lower = lower, .lower_allowed = true, .unit = "d"};
 }
 
 /// One key of an input file. Reading, checking and the key list of the documentation all come from

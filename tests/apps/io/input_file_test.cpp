@@ -44,6 +44,21 @@ TEST(InputFile, NotANumberIsNeverInRangeAndInfinityOnlyWhenAllowed) {
   EXPECT_EQ(text.find("c = inf"), std::string::npos);
 }
 
+TEST(InputFile, ABinaryFileIsCalledWhatItIs) {
+  const auto message = [](const std::string& bytes) -> std::string {
+    try {
+      InputFile::from_text(bytes, "run.h5");
+    } catch (const ReadError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(message("\x89HDF\r\n\x1a\n..."),
+            "run.h5:1:1: error: this is an HDF5 file, e.g. a run; a TOML file is expected");
+  EXPECT_EQ(message(std::string("PK\0\1", 4)),
+            "run.h5:1:1: error: this is a binary file; a TOML file is expected");
+}
+
 TEST(InputFile, ColumnsCountCharactersNotBytes) {
   const std::string text = "a = \"\u00e4\u00f6\" x\n";
   EXPECT_EQ(excerpt("f", text, {1, 10, 1}, "here"),
