@@ -4,6 +4,7 @@
 #include <numbers>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -34,10 +35,13 @@ struct BumpyBase {
 /// The base in words, equal for equal recipes.
 std::string recipe(const BumpyBase& base);
 
+/// Volume fraction of a dense flow, to turn a depth into a number of grains and back.
+inline constexpr double nominal_packing = 0.57;
+
 /// Inclined layer with free surface, periodic in x (flow) and y (vorticity), z normal to the base
 /// (Brewster et al. 2008, section II). Gravity is (g sin(theta), 0, -g cos(theta)).
 struct Chute {
-  double inclination = 0.0;  ///< theta [rad]
+  double inclination = 0.0;  ///< theta [rad], in [0, pi/2): the layer flows in +x
   double gravity = 1.0;      ///< g [length/time^2]
   double length = 8.0;       ///< period in x [length]
   double width = 8.0;        ///< period in y [length]
@@ -69,9 +73,33 @@ struct Scene {
   std::uint64_t seed = 1;
 };
 
+/// What validate() accepts, for readers and documentation of scenes.
+namespace limits {
+struct Interval {
+  double least;
+  double most;
+};
+inline constexpr double least_period = 3.0;  ///< [d]; in a shorter one a grain meets its own image
+inline constexpr Interval base_thickness{1.0, 10.0};        ///< [d]; thinner ones have holes
+inline constexpr Interval base_packing_fraction{0.4, 0.6};  ///< looser: holes; denser: no packing
+inline constexpr double overlap = 1.0;                      ///< max_overlap is below it
+inline constexpr int grains = 1'000'000;                    ///< base included: days on one thread
+inline constexpr double least_bin_width = 0.1;              ///< [d]
+inline constexpr double least_bins = 3.0;  ///< of the nominal depth: a bin and both neighbours,
+                                           ///< from which its shear rate is taken
+inline constexpr double steps = 1e12;      ///< of a run: years on one thread
+}  // namespace limits
+
 /// A scene that contradicts itself; the message says what, which value, which bound and the remedy.
+/// Lengths, masses and times in it are in the units of the scene.
 struct SceneError : std::runtime_error {
   using std::runtime_error::runtime_error;
+  /// `section` and `key` as scene files name them.
+  SceneError(const std::string& message, std::string_view in_section, std::string_view about_key)
+      : std::runtime_error(message), section(in_section), key(about_key) {}
+
+  std::string section;  ///< "geometry.base"; empty: top level, or the scene as a whole
+  std::string key;      ///< "thickness"; empty: the section as a whole
 };
 
 /// A time step that would be unstable (above shortest contact time / 15).
@@ -88,6 +116,9 @@ double shortest_contact_time(const Scene& scene);
 
 /// The step a run of this scene takes: its own, or the default [time].
 double time_step(const Scene& scene);
+
+/// Depth of the flowing grains at nominal_packing [length].
+double nominal_depth(const Scene& scene);
 
 /// Flowing mass per unit area of the base, N m / (length width) [mass/length^2].
 double mass_per_area(const Scene& scene);

@@ -29,6 +29,8 @@ TEST(Scene, GoodOneIsAccepted) {
 
 TEST(Scene, EveryBadNumberIsRefusedByName) {
   const std::vector<std::pair<std::string, std::function<void(Scene&)>>> bad{
+      {"inclination = -5 degrees: must lie in [0, 90); a negative tilt flows in -x",
+       [](Scene& s) { s.geometry.inclination = radians(-5.0); }},
       {"inclination = 90", [](Scene& s) { s.geometry.inclination = radians(90.0); }},
       {"grains = 0", [](Scene& s) { s.geometry.grains = 0; }},
       {"length = 2.9", [](Scene& s) { s.geometry.length = 2.9; }},
@@ -54,6 +56,14 @@ TEST(Scene, EveryBadNumberIsRefusedByName) {
       {"averaging_time = 3", [](Scene& s) { s.measurement.averaging_time = 3.0; }},
       {"time_limit = 100", [](Scene& s) { s.measurement.time_limit = 100.0; }},
       {"bin_width = 0", [](Scene& s) { s.measurement.bin_width = 0.0; }},
+      {"bin_width = 1.1: at most 1.053", [](Scene& s) { s.measurement.bin_width = 1.1; }},
+      {"time step = 1e-10: 1e+13 steps", [](Scene& s) { s.time_step = 1e-10; }},
+      {"grains = 1000001", [](Scene& s) { s.geometry.grains = 1'000'001; }},
+      {"length x width = 10000 x 100: 55 flowing grains and 3910437 to cut the base from",
+       [](Scene& s) {
+         s.geometry.length = 1e4;
+         s.geometry.width = 100.0;
+       }},
       {"max_overlap = 1.5", [](Scene& s) { s.max_overlap = 1.5; }},
       {"grain mass = inf",
        [](Scene& s) { s.grains.mass = std::numeric_limits<double>::infinity(); }},
@@ -63,6 +73,24 @@ TEST(Scene, EveryBadNumberIsRefusedByName) {
   for (const auto& [message, spoil] : bad) {
     EXPECT_EQ(refusal(spoil).substr(0, message.size()), message);
   }
+}
+
+TEST(Scene, RefusalsNameSectionAndKeyOfTheSceneFile) {
+  Scene scene = small_chute(23.0);
+  scene.geometry.base.thickness = 0.5;
+  try {
+    validate(scene);
+    FAIL() << "accepted";
+  } catch (const SceneError& error) {
+    EXPECT_EQ(error.section, "geometry.base");
+    EXPECT_EQ(error.key, "thickness");
+  }
+}
+
+TEST(Scene, BinsOfALayerThreeOfThemDeepAreAccepted) {
+  Scene scene = small_chute(23.0);
+  scene.measurement.bin_width = nominal_depth(scene) / 3.0;
+  EXPECT_NO_THROW(validate(scene));
 }
 
 TEST(Scene, ContactTimesOfNormalAndTangentialSpringAreEqualAtTwoSevenths) {
