@@ -8,7 +8,7 @@ namespace grainlaw::io {
 namespace {
 
 std::vector<double> read_tilts(Section& section, std::string_view key, std::string_view meaning) {
-  auto tilts = section.read<std::vector<double>>({key, meaning, {"degrees"}, between(-90.0, 90.0)});
+  auto tilts = section.read<std::vector<double>>({key, meaning, {"degrees"}, chute_tilts});
   if (section.has(key) && tilts.empty()) {
     section.problem(key, fmt::format("'{}' is empty: give at least one tilt", key));
   }
@@ -72,6 +72,11 @@ SceneFile scene_at(const Campaign& campaign, double tilt) {
   SceneFile file = campaign.scene;
   file.scene.geometry.inclination = tilt;
   file.scene.name = run_name(tilt);
+  restate(file,
+          {{"", "name", fmt::format("\"{}\"", file.scene.name)},
+           {"geometry",
+            "inclination",
+            fmt::format("{}", exact_degrees(tilt).value_or(degrees(tilt)))}});
   return file;
 }
 

@@ -24,7 +24,7 @@ Campaign read_campaign(const std::filesystem::path& path);
 /// "theta23", "theta24.2": name of the run at a tilt [rad], unique within a campaign.
 std::string run_name(double tilt);
 
-/// The scene of a campaign at one tilt [rad], named run_name(tilt).
+/// The scene of a campaign at one tilt [rad], named run_name(tilt); its text says the same.
 SceneFile scene_at(const Campaign& campaign, double tilt);
 
 /// The keys of a campaign file as Markdown.

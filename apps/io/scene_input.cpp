@@ -8,9 +8,11 @@
 namespace grainlaw::io {
 namespace {
 
-constexpr double reduced_mass = 0.5;          // of two equal grains, in internal units
-constexpr double nominal_packing = 0.57;      // dense flow, turns a depth into a number of grains
-constexpr double most_grains = 10'000'000.0;  // bounds memory, not physics
+constexpr double reduced_mass = 0.5;  // of two equal grains, in internal units
+
+Bounds inside(const dem::limits::Interval& interval) {
+  return from_to(interval.least, interval.most);
+}
 
 /// Exactly one of three ways to say how a contact dissipates.
 double read_damping(Section& section, const Units& units, double stiffness) {
@@ -45,8 +47,8 @@ std::variant<dem::Frictionless, dem::Sliding> read_friction(InputFile& in,
   if (!section.given()) return dem::Frictionless{};
   dem::Sliding law;
   section.choice({"law", "tangential spring, cut at the Coulomb limit"}, {"sliding"});
-  law.coefficient =
-      section.read<double>({"coefficient", "mu_p, static and dynamic", {}, not_negative});
+  law.coefficient = section.read<double>(
+      {"coefficient", "mu_p, static and dynamic; for 0 leave the section out", {}, positive});
   const Key stiffness{"stiffness", "k_t", units[dimension::stiffness], positive};
   law.stiffness = section.find<double>(stiffness, "2/7 of the normal stiffness")
                       .value_or(2.0 / 7.0 * normal_stiffness);
@@ -63,28 +65,31 @@ dem::BumpyBase read_base(InputFile& in) {
                  {"bumpy"},
                  "bumpy");
   base.thickness = section.read_or<double>(
-      {"thickness", "of the slab", {"grain diameter"}, from_to(0.5, 10.0)}, base.thickness);
-  base.packing_fraction = section.read_or<double>(
-      {"packing_fraction", "of the packing it is cut from", {}, between(0.3, 0.64)},
-      base.packing_fraction);
+      {"thickness", "of the slab", {"grain diameter"}, inside(dem::limits::base_thickness)},
+      base.thickness);
+  base.packing_fraction = section.read_or<double>({"packing_fraction",
+                                                   "of the packing it is cut from",
+                                                   {},
+                                                   inside(dem::limits::base_packing_fraction)},
+                                                  base.packing_fraction);
   return base;
 }
 
 /// Exactly one of the number of grains and a nominal depth.
 int read_grains(Section& section, const Units& units, double area) {
   const auto grains = section.find<std::int64_t>(
-      {"grains", "number of flowing grains", {}, from_to(1.0, most_grains)});
+      {"grains", "number of flowing grains", {}, from_to(1.0, dem::limits::grains)});
   const auto depth = section.find<double>(
       {"depth",
        "nominal depth, gives depth x length x width x 0.57 x 6/(pi d^3) grains",
        units[dimension::length],
        positive});
   section.exactly_one_of({"grains", "depth"});
-  const double number = grains
-                            ? static_cast<double>(*grains)
-                            : depth.value_or(1.0) * area * nominal_packing * 6.0 / std::numbers::pi;
-  if (!(number < most_grains)) {
-    section.problem("depth", fmt::format("{:.3g} grains: at most {:.0f}", number, most_grains));
+  const double number =
+      grains ? static_cast<double>(*grains)
+             : depth.value_or(1.0) * area * dem::nominal_packing * 6.0 / std::numbers::pi;
+  if (!(number <= dem::limits::grains)) {
+    section.problem("depth", fmt::format("{:.3g} grains: at most {}", number, dem::limits::grains));
     return 0;
   }
   return static_cast<int>(std::lround(number));
@@ -94,12 +99,16 @@ dem::Chute read_chute(InputFile& in, Section& section, const Units& units) {
   dem::Chute chute;
   section.choice({"kind", "\"chute\": inclined layer, periodic along and across the flow"},
                  {"chute"});
-  chute.inclination = radians(section.read<double>(
-      {"inclination", "tilt theta of the base", {"degrees"}, between(-90.0, 90.0)}));
+  chute.inclination = radians(section.read<double>({"inclination",
+                                                    "tilt theta of the base; for a negative one "
+                                                    "mirror the scene",
+                                                    {"degrees"},
+                                                    chute_tilts}));
+  const Bounds period = diameters_or_more(dem::limits::least_period);
   chute.length = section.read_or<double>(
-      {"length", "period along the flow", units[dimension::length], positive}, chute.length, "d");
+      {"length", "period along the flow", units[dimension::length], period}, chute.length, "d");
   chute.width = section.read_or<double>(
-      {"width", "period across the flow", units[dimension::length], positive}, chute.width, "d");
+      {"width", "period across the flow", units[dimension::length], period}, chute.width, "d");
   chute.grains = read_grains(section, units, chute.length * chute.width);
   chute.base = read_base(in);
   return chute;
@@ -109,8 +118,12 @@ dem::Measurement read_measurement(InputFile& in, const Units& units) {
   dem::Measurement m;
   Section section = in.optional_section("measurement", "What is averaged, and for how long");
   const Unit time = units[dimension::time];
-  m.bin_width = section.read_or<double>(
-      {"bin_width", "height of a bin", units[dimension::length], positive}, m.bin_width, "d");
+  m.bin_width = section.read_or<double>({"bin_width",
+                                         "height of a bin, at most a third of the nominal depth",
+                                         units[dimension::length],
+                                         diameters_or_more(dem::limits::least_bin_width)},
+                                        m.bin_width,
+                                        "d");
   m.sample_interval = section.read_or<double>(
       {"sample_interval", "between two samples", time, positive}, m.sample_interval, "sqrt(d/g)");
   m.frame_interval =
@@ -147,9 +160,11 @@ dem::Scene read_keys(InputFile& in, Units& units) {
                                         "name of the file");
   scene.seed = static_cast<std::uint64_t>(
       top.read_or<std::int64_t>({"seed", "of every random number", {}, not_negative}, 1));
-  scene.max_overlap = top.read_or<double>(
-      {"max_overlap", "the run stops at a larger overlap", {"grain radius"}, between(0.0, 2.0)},
-      scene.max_overlap);
+  scene.max_overlap = top.read_or<double>({"max_overlap",
+                                           "the run stops at a larger overlap",
+                                           {"grain radius"},
+                                           between(0.0, dem::limits::overlap)},
+                                          scene.max_overlap);
   const dem::Hooke normal = read_normal(in, units);
   scene.normal = normal;
   scene.friction = read_friction(in, units, normal.stiffness);
@@ -159,14 +174,19 @@ dem::Scene read_keys(InputFile& in, Units& units) {
   return scene;
 }
 
-/// What only the scene as a whole can tell; the message points at the step or the geometry.
-void validate(const InputFile& in, const dem::Scene& scene) {
+/// What only the scene as a whole can tell; the message points at the key it is about.
+void validate(const InputFile& in, const dem::Scene& scene, const Units& units) {
+  const auto message = [&](const dem::SceneError& error) {
+    const bool grain = units.name == "grain";
+    const auto hint = grain ? "" : "numbers of this message in the set \"grain\": m, d, sqrt(d/g)";
+    return in.message(error.section, error.key, error.what(), hint);
+  };
   try {
     dem::validate(scene);
   } catch (const dem::StepRefused& error) {
-    throw dem::StepRefused(in.message("time", "step", error.what()));
+    throw dem::StepRefused(message(error), error.section, error.key);
   } catch (const dem::SceneError& error) {
-    throw InputError(in.message("geometry", "", error.what()));
+    throw InputError(message(error));
   }
 }
 
@@ -174,11 +194,27 @@ SceneFile read(InputFile in, const SceneOptions& options) {
   SceneFile file;
   file.scene = read_keys(in, file.units);
   in.finish();
-  file.scene.allow_unstable_step |= options.allow_unstable_step;
   file.text = in.text();
   file.path = in.path();
-  validate(in, file.scene);
+  const bool overridden = options.allow_unstable_step && !file.scene.allow_unstable_step;
+  file.scene.allow_unstable_step |= options.allow_unstable_step;
+  validate(in, file.scene, file.units);
+  if (overridden) restate(file, {{"time", "allow_unstable_step", "true"}});
   return file;
+}
+
+/// Is the text the scene, as far as programs override it?
+bool says(const std::string& text, const SceneFile& file) {
+  try {
+    const dem::Scene scene = parse_scene(text, file.path).scene;
+    return scene.name == file.scene.name &&
+           scene.allow_unstable_step == file.scene.allow_unstable_step &&
+           scene.geometry.inclination == file.scene.geometry.inclination;
+  } catch (const InputError&) {
+    return false;
+  } catch (const dem::SceneError&) {
+    return false;
+  }
 }
 
 }  // namespace
@@ -191,6 +227,13 @@ SceneFile parse_scene(const std::string& text,
                       const std::filesystem::path& path,
                       const SceneOptions& options) {
   return read(InputFile::from_text(text, path), options);
+}
+
+void restate(SceneFile& file, const std::vector<Override>& overrides) {
+  constexpr std::string_view byte_order_mark = "\xef\xbb\xbf";  // only good at the very beginning
+  if (file.text.starts_with(byte_order_mark)) file.text.erase(0, byte_order_mark.size());
+  std::string text = with_values(file.text, overrides);
+  file.text = says(text, file) ? std::move(text) : with_comments(file.text, overrides);
 }
 
 std::string scene_keys() {

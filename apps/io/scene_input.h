@@ -2,7 +2,9 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
+#include "apps/io/scene_text.h"
 #include "apps/io/units.h"
 #include "dem/scene.h"
 
@@ -12,9 +14,12 @@ namespace grainlaw::io {
 struct SceneFile {
   dem::Scene scene;
   Units units;
-  std::string text;  ///< of the file, as it goes into the local data
+  std::string text;  ///< as it goes into the local data: of the file, with what was overridden
   std::filesystem::path path;
 };
+
+/// Tilts of a chute [degrees]: it flows in +x.
+inline constexpr Bounds chute_tilts{.lower = 0.0, .upper = 90.0, .lower_allowed = true};
 
 struct SceneOptions {
   bool allow_unstable_step = false;  ///< as if the scene said so (--allow-step)
@@ -28,6 +33,11 @@ SceneFile read_scene(const std::filesystem::path& path, const SceneOptions& opti
 SceneFile parse_scene(const std::string& text,
                       const std::filesystem::path& path,
                       const SceneOptions& options = {});
+
+/// Makes the text of a file whose scene was changed say the same, so that the text read again is
+/// the scene of the run. Where that cannot be done line by line, comment lines in front of the text
+/// state the values.
+void restate(SceneFile& file, const std::vector<Override>& overrides);
 
 /// The keys of a scene file as Markdown.
 std::string scene_keys();

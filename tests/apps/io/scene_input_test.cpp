@@ -18,7 +18,7 @@ constexpr double bits = 4.0 * 2.220446049250313e-16;  // a handful of roundings
 std::string scene_text(const std::string& damping = "restitution = 0.88",
                        const std::string& more = "") {
   return "units = \"grain\"\n[contact.normal]\nlaw = \"hooke\"\nstiffness = 2e5\n" + damping +
-         "\n[geometry]\nkind = \"chute\"\ninclination = 23.0\ngrains = 100\n" + more;
+         "\n[geometry]\nkind = \"chute\"\ninclination = 23.0\ngrains = 300\n" + more;
 }
 
 dem::Scene scene_of(const std::string& text) {
@@ -70,7 +70,7 @@ TEST(SceneInput, TheSameSceneInSiIsTheSameScene) {
                 sizeof text,
                 "units = \"si\"\n[grains]\ndiameter = 1e-3\ndensity = 2500.0\n"
                 "[contact.normal]\nlaw = \"hooke\"\nstiffness = %.17g\nrestitution = 0.88\n"
-                "[geometry]\nkind = \"chute\"\ninclination = 23.0\ngrains = 100\n"
+                "[geometry]\nkind = \"chute\"\ninclination = 23.0\ngrains = 300\n"
                 "gravity = 9.81\nlength = 8e-3\nwidth = 8e-3\n[time]\nstep = %.17g\n",
                 2e5 * m / (time * time),
                 1e-4 * time);
@@ -87,7 +87,7 @@ TEST(SceneInput, TheSameSceneInSiIsTheSameScene) {
 TEST(SceneInput, StiffnessUnitsHaveContactStiffnessOne) {
   const SceneFile file = parse_scene(
       "units = \"stiffness\"\n[contact.normal]\nlaw = \"hooke\"\nrestitution = 0.88\n"
-      "[geometry]\nkind = \"chute\"\ninclination = 23.0\ngrains = 100\ngravity = 1e-5\n",
+      "[geometry]\nkind = \"chute\"\ninclination = 23.0\ngrains = 300\ngravity = 1e-5\n",
       "s.toml");
   // k_n d/(m g) with k_n = d = rho_p = 1, m = pi/6, g = 1e-5.
   const double stiffness = 6.0 / std::numbers::pi / 1e-5;
@@ -140,7 +140,11 @@ TEST(SceneInput, KeyListNamesEveryKeyWithUnitRangeAndDefault) {
        {"| `stiffness` | number | mass/time^2 | 0 < x | required, unless",
         "| `restitution` | number |  | 0 < x <= 1 | exactly one of damping_rate, dashpot, "
         "restitution |",
-        "| `inclination` | number | degrees | -90 < x < 90 | required |",
+        "| `inclination` | number | degrees | 0 <= x < 90 | required |",
+        "| `length` | number | length | 3 d <= x | 8 d |",
+        "| `thickness` | number | grain diameter | 1 <= x <= 10 | 1.5 |",
+        "| `packing_fraction` | number |  | 0.4 <= x <= 0.6 | 0.585 |",
+        "| `max_overlap` | number | grain radius | 0 < x < 1 | 0.3 |",
         "| `averaging_time` | number | time | 0 < x | 200 sqrt(d/g) |",
         "| `seed` | integer |  | 0 <= x | 1 |",
         "### `[contact.friction]`"}) {
@@ -159,6 +163,99 @@ TEST(CampaignInput, QuickstartHasThreeTiltsToFitAndTwoToPredict) {
   EXPECT_EQ(run.scene.name, "theta24.8");
   EXPECT_EQ(run.scene.geometry.inclination, radians(24.8));
   EXPECT_EQ(run.scene.geometry.grains, 836);
+}
+
+void expect_same_run(const std::string& text, const dem::Scene& scene) {
+  const dem::Scene again = scene_of(text);
+  EXPECT_EQ(again.name, scene.name) << text;
+  EXPECT_EQ(again.geometry.inclination, scene.geometry.inclination) << text;
+  EXPECT_EQ(again.allow_unstable_step, scene.allow_unstable_step) << text;
+  EXPECT_EQ(dem::summarise(again).used, dem::summarise(scene).used) << text;
+}
+
+TEST(CampaignInput, TheTextOfEveryRunReadAgainIsTheSceneOfTheRun) {
+  const Campaign campaign = read_campaign(data / "campaigns/quickstart/campaign.toml");
+  for (const auto& tilts : {campaign.calibrate_tilts, campaign.predict_tilts}) {
+    for (const double tilt : tilts) {
+      const SceneFile run = scene_at(campaign, tilt);
+      EXPECT_EQ(run.scene.geometry.inclination, tilt);
+      expect_same_run(run.text, run.scene);
+      EXPECT_NE(run.text.find("# degrees; the campaign overrides it"), std::string::npos);
+    }
+  }
+}
+
+TEST(CampaignInput, ANameTheSceneDoesNotStateIsAddedAndAQuotedOneReplaced) {
+  Campaign campaign;
+  for (const char* top : {"", "name = \"a # b\"  # old\n", "[grains]  # none\n"}) {
+    campaign.scene =
+        parse_scene(top == std::string("[grains]  # none\n") ? scene_text("restitution = 0.88", top)
+                                                             : top + scene_text(),
+                    "scene.toml");
+    const SceneFile run = scene_at(campaign, radians(24.8));
+    expect_same_run(run.text, run.scene);
+  }
+}
+
+TEST(CampaignInput, WhereLinesCannotBeReplacedCommentsStateTheTilt) {
+  Campaign campaign;
+  campaign.scene = parse_scene(
+      "units = \"grain\"\n"
+      "geometry = { kind = \"chute\", inclination = 23.0, grains = 300 }\n"
+      "contact.normal = { law = \"hooke\", stiffness = 2e5, restitution = 0.88 }\n",
+      "scene.toml");
+  const SceneFile run = scene_at(campaign, radians(24.8));
+  EXPECT_TRUE(
+      run.text.starts_with("# The run differs from the text below in:\n"
+                           "#   name = \"theta24.8\"\n"
+                           "#   [geometry] inclination = 24.8\n"))
+      << run.text;
+  EXPECT_NO_THROW(parse_scene(run.text, "scene.toml"));
+}
+
+TEST(SceneInput, AnAllowedStepIsInTheTextThatIsStored) {
+  const std::string unstable = scene_text("restitution = 0.88", "[time]\nstep = 1e-2\n");
+  for (const std::string& text :
+       {unstable, unstable + "allow_unstable_step = false # no\n", "\xef\xbb\xbf" + unstable}) {
+    const SceneFile file = parse_scene(text, "scene.toml", {.allow_unstable_step = true});
+    expect_same_run(file.text, file.scene);
+  }
+  const SceneFile stable = parse_scene(scene_text(), "scene.toml", {.allow_unstable_step = true});
+  expect_same_run(stable.text, stable.scene);
+  EXPECT_EQ(parse_scene(scene_text(), "scene.toml").text, scene_text());
+}
+
+TEST(SceneInput, AContradictionPointsAtItsKeyAndTellsTheUnitsOfItsNumbers) {
+  const std::string si =
+      "units = \"si\"\n[grains]\ndiameter = 1e-3\ndensity = 2500.0\n"
+      "[contact.normal]\nlaw = \"hooke\"\nstiffness = 200\nrestitution = 0.88\n"
+      "[geometry]\nkind = \"chute\"\ninclination = 23.0\ngrains = 300\n"
+      "gravity = 9.81\n[measurement]\n  bin_width = 2e-3\n";
+  try {
+    scene_of(si);
+    FAIL();
+  } catch (const InputError& error) {
+    const std::string text = error.what();
+    EXPECT_TRUE(text.starts_with("scene.toml:15:3: error: bin_width = 2: at most 1.435")) << text;
+    EXPECT_NE(text.find("in the set \"grain\""), std::string::npos) << text;
+  }
+}
+
+TEST(SceneInput, APeriodOfThreeDiametersIsMeasuredInTheUnitsOfTheFile) {
+  EXPECT_THROW(scene_of(scene_text("restitution = 0.88", "length = 2.9\n")), InputError);
+  EXPECT_NO_THROW(scene_of(scene_text("restitution = 0.88", "length = 3.0\n")));
+  const Bounds period = diameters_or_more(3.0);
+  InputFile in = InputFile::from_text("a = 0.006\nb = 0.005\n", "f");
+  EXPECT_EQ(in.top().read<double>({"a", "", {"length", 0.002}, period}), 3.0);
+  in.top().read<double>({"b", "", {"length", 0.002}, period});
+  try {
+    in.finish();
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("b = 0.005 is out of range: 3 d <= b [length]"),
+              std::string::npos)
+        << error.what();
+  }
 }
 
 TEST(CaseInput, GrainCaseIsReadInInternalUnits) {
