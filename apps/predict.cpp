@@ -66,6 +66,24 @@ continuum::SteadyChute steady_at_depth(const continuum::RheologyTable& table,
   return steady;
 }
 
+std::string flag_text(const continuum::RangeFlag& flag) {
+  if (std::isinf(flag.upper)) {
+    return fmt::format("{} is {:.3g}, a continuum law needs at least about {:.3g}",
+                       flag.quantity,
+                       flag.reached_lowest,
+                       flag.lower);
+  }
+  return fmt::format(
+      "{} reaches {:.3g} to {:.3g}, data {:.3g} to {:.3g} ({:.0f} % of the flowing "
+      "mass outside)",
+      flag.quantity,
+      flag.reached_lowest,
+      flag.reached_highest,
+      flag.lower,
+      flag.upper,
+      100.0 * flag.fraction_outside);
+}
+
 /// The one line of trust that ends every prediction.
 std::string trust(const continuum::Answer& answer, const continuum::RheologyTable& table) {
   if (!flows(answer.outcome) && answer.out_of_domain.empty()) {
@@ -74,16 +92,7 @@ std::string trust(const continuum::Answer& answer, const continuum::RheologyTabl
   std::string text;
   if (answer.out_of_domain.empty()) text = "inside the range of the data";
   for (const continuum::RangeFlag& flag : answer.out_of_domain) {
-    if (!text.empty()) text += ", ";
-    text += fmt::format(
-        "OUT_OF_DOMAIN: {} reaches {:.3g} to {:.3g}, data {:.3g} to {:.3g} ({:.0f} % "
-        "of the flowing mass outside)",
-        flag.quantity,
-        flag.reached_lowest,
-        flag.reached_highest,
-        flag.lower,
-        flag.upper,
-        100.0 * flag.fraction_outside);
+    text += (text.empty() ? "OUT_OF_DOMAIN: " : ", OUT_OF_DOMAIN: ") + flag_text(flag);
   }
   if (answer.condition_number > 0.0) {
     text += fmt::format("; 1 % of mu moves I by {:.1f} %", answer.condition_number);
@@ -137,6 +146,10 @@ void describe_transient(Summary& summary,
               "  at the end",
               transient.final_profile.surface_velocity * units.size(is::velocity),
               velocity);
+  if (transient.time_to_steady) {
+    summary.add(
+        "time_to_steady", "  within 1 % from t =", *transient.time_to_steady * units.time, time);
+  }
   summary.add("transient_end", "  integrated to t =", transient.end_time * units.time, time);
   summary.add("transient_steps", "  steps", transient.statistics.steps);
   summary.add("transient_wall", "  wall time", transient.statistics.wall_seconds, "s");
