@@ -70,7 +70,6 @@ void sort_in(Runs& runs, dem::LocalData data, const io::Campaign& campaign) {
     runs.warnings.push_back(fmt::format(
         "{} is not steady and is not fitted or scored: {}", data.name, data.window.reason));
   }
-  if (const auto few = few_samples(data)) runs.warnings.push_back(data.name + ": " + *few);
   if (among(data.conditions.inclination, campaign.calibrate_tilts) && data.window.steady) {
     runs.fitted.push_back(std::move(data));
   } else {
@@ -92,6 +91,18 @@ Runs measure(const io::Campaign& campaign, const fs::path& directory, int thread
     sort_in(runs, std::move(*run.data), campaign);
   }
   return runs;
+}
+
+/// One warning for all runs whose standard errors rest on few samples.
+void warn_of_few_samples(Runs& runs) {
+  std::string names;
+  for (const dem::LocalData& data : runs.all()) {
+    const auto few = few_samples(data);
+    if (few) names += fmt::format("{}{} {}", names.empty() ? "" : ", ", data.name, *few);
+  }
+  if (names.empty()) return;
+  runs.warnings.push_back("few independent samples of the velocity at the worst height (" + names +
+                          "): standard errors are rough; a longer averaging_time would help");
 }
 
 /// A finished run belongs to a campaign when it ran under the conditions of its scene at one of its
@@ -242,6 +253,7 @@ ExitCode calibrate(const Arguments& arguments, const CommonOptions& options) {
     say("grainlaw calibrate: stopped; finished runs are in " + (directory / "runs").string());
     return ExitCode::stopped;
   }
+  warn_of_few_samples(runs);
   for (const std::string& warning : runs.warnings) say("warning: " + warning);
   report::Report report = evaluate(campaign, std::move(runs), directory);
   report.command = "grainlaw calibrate " + fs::path(arguments.campaign).filename().string();

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "apps/io/local_data_hdf5.h"
@@ -76,16 +77,12 @@ std::string outcome_line(const dem::LocalData& data) {
                      data.window.reason);
 }
 
-std::optional<std::string> few_samples(const dem::LocalData& data) {
-  // Fewer independent samples than this leave a standard error itself unsure by a sixth and more.
-  constexpr double enough = 20.0;
+std::optional<int> few_samples(const dem::LocalData& data) {
+  constexpr double enough = 20.0;  // below, an error is itself unsure by a sixth and more
   double least = std::numeric_limits<double>::infinity();
   for (const dem::LocalRow& row : data.rows) least = std::min(least, row.effective_samples);
   if (!data.window.steady || least >= enough) return std::nullopt;
-  return fmt::format(
-      "only {:.0f} independent samples of the velocity at its worst height: standard "
-      "errors are rough; a longer averaging_time would help",
-      least);
+  return static_cast<int>(std::lround(least));
 }
 
 Summary describe(const dem::LocalData& data) {
@@ -110,7 +107,13 @@ Summary describe(const dem::LocalData& data) {
     add("inertial_number", "  inertial number I", middle.inertial_number, "");
     summary.add("effective_samples", "  independent samples", middle.effective_samples);
   }
-  if (const auto few = few_samples(data)) summary.add("few_samples", "warning", *few);
+  if (const auto few = few_samples(data)) {
+    summary.add("few_samples",
+                "warning",
+                fmt::format("only {} independent samples of the velocity at its worst height: "
+                            "standard errors are rough; a longer averaging_time would help",
+                            *few));
+  }
   summary.add("coordination", "coordination Z", run.coordination);
   summary.add("steps", "steps", run.steps);
   summary.add("time_step", "time step", run.time_step, "sqrt(d/g)");

@@ -29,8 +29,9 @@ double seconds_left(const dem::Progress& now);
 /// "steady in 42 s: ...", one line about a finished run.
 std::string outcome_line(const dem::LocalData& data);
 
-/// A sentence where the standard errors of a steady run rest on few independent samples.
-std::optional<std::string> few_samples(const dem::LocalData& data);
+/// Independent samples of the velocity at its worst height, where they are so few that standard
+/// errors are rough; absent otherwise and for runs that are not steady.
+std::optional<int> few_samples(const dem::LocalData& data);
 
 /// The results of a run in a few lines.
 Summary describe(const dem::LocalData& data);

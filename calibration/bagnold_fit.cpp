@@ -207,6 +207,7 @@ void note_misfit(FitSummary& summary) {
   const double rms = std::sqrt(summary.chi_squared / summary.data);
   if (rms <= 2.0) return;
   std::ostringstream text;
+  text.precision(2);
   text << "the residuals are " << rms
        << " standard errors on average: the law does not follow the profile to within its scatter; "
           "the errors of the coefficients hold the scatter only";

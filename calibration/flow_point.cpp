@@ -113,6 +113,7 @@ bool in_balance(const FlowPoint& point) {
 void note_imbalance(FlowPoint& point) {
   if (in_balance(point)) return;
   std::ostringstream text;
+  text.precision(4);
   text << point.name << ": measured friction " << point.friction.value << " +- "
        << point.friction.error << " differs from tan(theta) = " << std::tan(point.inclination)
        << " by more than chance allows (3 standard errors): the layer is not in balance or the "

@@ -126,6 +126,7 @@ void note_scatter(const LawFit& fit, FitSummary& summary) {
         "errors come from those of the points alone");
   } else if (fit.scatter > 1.0) {
     std::ostringstream text;
+    text.precision(3);
     text << "the points scatter about the law by " << std::sqrt(fit.scatter)
          << " times their errors; all errors are enlarged by this factor";
     summary.notes.push_back(text.str());
@@ -170,6 +171,7 @@ std::string why_kappa_is_dropped(const LawFit& curved) {
   const std::vector<double>& x = curved.minimum.values;
   const double error = curved.error(2);
   std::ostringstream text;
+  text.precision(3);
   text << "the data give " << x[2] << " +- " << error;
   if (curved.minimum.at_bound[2]) text << ", at its bound (error one-sided)";
   const double largest = x[2] + 1.645 * error;  // one-sided 95 % of a normal distribution
@@ -262,6 +264,7 @@ FittedLaw fit_volume_fraction(const std::vector<FlowPoint>& points) {
   require_converged(constant.minimum, "phi(I)");
   FittedLaw law = express({"phi0"}, constant);
   std::ostringstream text;
+  text.precision(3);
   text << "I_phi is dropped (constant phi): the data give 1/I_phi = " << inverse << " +- " << error
        << ", no measured decrease of phi with I";
   law.summary.not_identifiable.push_back(text.str());

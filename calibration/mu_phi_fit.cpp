@@ -99,6 +99,7 @@ MeanBase mean_base(const std::vector<FlowPoint>& points) {
   base.covariance(0, 0) = std::pow(height.mean.error, 2);
   base.covariance(1, 1) = std::pow(mass.mean.error, 2);
   std::ostringstream text;
+  text.precision(2);
   text << "effective base: weighted mean over the runs, no-slip height " << height.mean.value
        << " +- " << height.mean.error << " d";
   if (height.scatter > 1.0) {

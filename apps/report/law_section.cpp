@@ -98,7 +98,7 @@ Table point_table(const std::vector<calibration::FlowPoint>& points) {
                         "<i>μ</i>"_html,
                         "<i>φ</i>"_html,
                         "No-slip height [<i>d</i>]"_html,
-                        "<i>p</i>* of the rows used"_html},
+                        "<i>p</i>* of the layer"_html},
                .rows = {},
                .text_columns = 1};
   for (const calibration::FlowPoint& point : points) {
