@@ -13,13 +13,22 @@ namespace {
 
 constexpr std::size_t largest_text = std::size_t{64} << 20;  // bytes; real inputs have a few kB
 
+/// The signature of HDF5 stands at 0, or after a user block of 512 bytes (our runs) or a doubling
+/// of it.
+bool is_hdf5(std::string_view bytes) {
+  for (std::size_t at = 0; at < bytes.size(); at = at == 0 ? 512 : 2 * at) {
+    if (bytes.substr(at).starts_with("\x89HDF\r\n\x1a\n")) return true;
+  }
+  return false;
+}
+
 /// Takes a run, picture or archive for what it is before a parser complains about its first byte.
 void refuse_binary(std::string_view bytes, const std::filesystem::path& path) {
   const auto refuse = [&](std::string_view what) {
     throw ReadError(
         fmt::format("{}:1:1: error: this is {}; a TOML file is expected", path.string(), what));
   };
-  if (bytes.starts_with("\x89HDF\r\n\x1a\n")) refuse("an HDF5 file, e.g. a run");
+  if (is_hdf5(bytes)) refuse("an HDF5 file, e.g. a run");
   if (bytes.find('\0') != std::string_view::npos) refuse("a binary file");
 }
 

@@ -53,8 +53,10 @@ TEST(InputFile, ABinaryFileIsCalledWhatItIs) {
     }
     return "";
   };
-  EXPECT_EQ(message("\x89HDF\r\n\x1a\n..."),
-            "run.h5:1:1: error: this is an HDF5 file, e.g. a run; a TOML file is expected");
+  for (const std::size_t user_block : {0u, 512u, 4096u}) {
+    EXPECT_EQ(message(std::string(user_block, 'u') + "\x89HDF\r\n\x1a\n..."),
+              "run.h5:1:1: error: this is an HDF5 file, e.g. a run; a TOML file is expected");
+  }
   EXPECT_EQ(message(std::string("PK\0\1", 4)),
             "run.h5:1:1: error: this is a binary file; a TOML file is expected");
 }

@@ -138,6 +138,18 @@ TEST(LocalDataHdf5, TheFileKnowsWhatMadeIt) {
   EXPECT_EQ(record.date.size(), std::string("2020-01-01T00:00:00Z").size());
 }
 
+TEST(LocalDataHdf5, ARunWhereASceneIsExpectedIsCalledAnHdf5File) {
+  const TemporaryDirectory directory;
+  write_local_data(any_data(2, 2, 1), any_scene(), directory / "run.h5");
+  try {
+    read_scene(directory / "run.h5");
+    FAIL();
+  } catch (const ReadError& error) {
+    EXPECT_NE(std::string(error.what()).find("is an HDF5 file, e.g. a run"), std::string::npos)
+        << error.what();
+  }
+}
+
 TEST(LocalDataHdf5, ARunWithoutRowsOrFramesIsAFileToo) {
   const TemporaryDirectory directory;
   write_local_data(any_data(0, 0, 1), any_scene(), directory / "run.h5");
