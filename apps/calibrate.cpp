@@ -275,12 +275,11 @@ ExitCode calibrate(const Arguments& arguments, const CommonOptions& options) {
 int main(int argc, char** argv) {
   using namespace grainlaw;
   CommonOptions options;
-  CommandLine line(
-      "grainlaw-calibrate",
-      "Runs the scenes of a campaign, fits mu(I) and phi(I) and, per tilt, a and b, predicts\n"
-      "every run from the fitted table and writes table, predictions and report.",
-      "  grainlaw calibrate data/campaigns/quickstart/campaign.toml -o quickstart-report",
-      options);
+  CommandLine line("grainlaw-calibrate",
+                   "Runs the scenes of a campaign, fits mu(I) and phi(I) and, per tilt, a and b,\n"
+                   "predicts every run from the fitted table, writes table, predictions, report.",
+                   "  grainlaw calibrate data/campaigns/quickstart/campaign.toml -o results",
+                   options);
   Arguments arguments;
   line.required("CAMPAIGN.toml", arguments.campaign, "the campaign");
   line.option("-o,--output", arguments.output, "folder for results (default: calibration-report)");

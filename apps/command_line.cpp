@@ -23,8 +23,7 @@ CommandLine::CommandLine(const std::string& program,
   app.add_flag("--check", common.check, "say what would run; run nothing");
   app.add_flag("--json", common.json, "summary as one JSON object on stdout");
   app.add_flag("--quiet", common.quiet, "no progress and no summary");
-  app.add_option(
-         "--threads", common.threads, "runs of a campaign at the same time (default: cores)")
+  app.add_option("--threads", common.threads, "runs of a campaign at once (default: cores)")
       ->check(CLI::Range(1, 1024));
 }
 

@@ -98,11 +98,10 @@ ExitCode compare(const Arguments& arguments, const CommonOptions& options) {
 int main(int argc, char** argv) {
   using namespace grainlaw;
   CommonOptions options;
-  CommandLine line(
-      "grainlaw-compare",
-      "Predicts the scene of every DEM run from a table and reports the differences.",
-      "  grainlaw compare quickstart-report/runs/*.h5 --table quickstart-report/table.toml",
-      options);
+  CommandLine line("grainlaw-compare",
+                   "Predicts the scene of every DEM run from a table and reports the differences.",
+                   "  grainlaw compare results/runs/*.h5 -t results/table.toml -o comparison",
+                   options);
   Arguments arguments;
   line.list("RUN.h5", arguments.runs, "local data of DEM runs");
   line.option("-t,--table", arguments.table, "rheology table", true);
