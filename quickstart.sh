@@ -5,7 +5,7 @@
 #                             its numbers mean little
 set -euo pipefail
 cd "$(dirname "$0")"
-. cmake/packages.sh
+. .ci/packages.sh
 
 campaign=data/campaigns/quickstart/campaign.toml
 output=quickstart-report

@@ -5,7 +5,7 @@
 #   ./test.sh --all   the same as --ci, clang, thread sanitizer, clang-tidy and slow validation
 set -euo pipefail
 cd "$(dirname "$0")"
-. cmake/packages.sh
+. .ci/packages.sh
 
 level=${1:-}
 case "$level" in
