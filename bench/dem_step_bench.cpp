@@ -35,6 +35,7 @@ BENCHMARK(chute_step)
     ->ArgNames({"grains", "side"})
     ->Args({835, 8})
     ->Args({4000, 20})
+    ->Iterations(5)
     ->UseManualTime();
 
 }  // namespace
