@@ -26,7 +26,9 @@ struct Box {
   std::array<Vec3, 27> image_shifts() const {
     std::array<Vec3, 27> shifts;
     for (int k = 0; k < 27; ++k) {
-      shifts[k] = {(k % 3 - 1) * period.x, (k / 3 % 3 - 1) * period.y, (k / 9 - 1) * period.z};
+      const int row = k / 3;
+      const int layer = k / 9;
+      shifts[k] = {(k % 3 - 1) * period.x, (row % 3 - 1) * period.y, (layer - 1) * period.z};
     }
     return shifts;
   }

@@ -239,10 +239,11 @@ void describe(const Hooke& law, SceneSummary& summary) {
       "normal: spring and dashpot, stiffness {:.6g}, damping {:.6g}", law.stiffness, law.damping));
 }
 void describe(const Cohesionless&, SceneSummary& summary) {
-  summary.left_out.push_back("no cohesion: no force beyond contact, list reach = contact + skin");
+  summary.left_out.emplace_back(
+      "no cohesion: no force beyond contact, list reach = contact + skin");
 }
 void describe(const Frictionless&, SceneSummary& summary) {
-  summary.left_out.push_back("no friction: no rotation, no history, no tangential force");
+  summary.left_out.emplace_back("no friction: no rotation, no history, no tangential force");
 }
 void describe(const Sliding& law, SceneSummary& summary) {
   summary.used.push_back(
@@ -253,7 +254,7 @@ void describe(const Sliding& law, SceneSummary& summary) {
   if (law.damping > 0.0) {
     summary.used.push_back(fmt::format("tangential dashpot {:.6g}", law.damping));
   } else {
-    summary.left_out.push_back("no tangential damping");
+    summary.left_out.emplace_back("no tangential damping");
   }
 }
 
@@ -315,8 +316,8 @@ SceneSummary summarise(const Scene& scene) {
                                      step,
                                      shortest_contact_time(scene) / step,
                                      shortest_contact_time(scene)));
-  summary.left_out.push_back("equal grains: no radius or mass per grain");
-  summary.left_out.push_back("no side walls: periodic along and across the flow");
+  summary.left_out.emplace_back("equal grains: no radius or mass per grain");
+  summary.left_out.emplace_back("no side walls: periodic along and across the flow");
   return summary;
 }
 

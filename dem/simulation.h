@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -18,11 +19,12 @@ namespace grainlaw::dem {
 /// What a simulation needs beside its law and its grains.
 struct SimulationSetup {
   Box box;
-  double diameter = 1.0;             ///< of all grains [length]
-  Dynamics dynamics;                 ///< grain mass, gravity, time step
-  double max_overlap = 0.3;          ///< stop above this fraction of the radius
-  double lowest_height = -INFINITY;  ///< a grain below is lost [length]
-  double skin = 0.25;                ///< of the neighbour list [diameter]
+  double diameter = 1.0;     ///< of all grains [length]
+  Dynamics dynamics;         ///< grain mass, gravity, time step
+  double max_overlap = 0.3;  ///< stop above this fraction of the radius
+  double lowest_height =
+      -std::numeric_limits<double>::infinity();  ///< a grain below is lost [length]
+  double skin = 0.25;                            ///< of the neighbour list [diameter]
 };
 
 /// Grains as they are handed in; numbered mobile first, in the order given.
