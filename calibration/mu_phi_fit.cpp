@@ -149,10 +149,8 @@ continuum::ValidRange explored(const std::vector<FlowPoint>& points) {
   continuum::Range inertial{std::numeric_limits<double>::infinity(), 0.0};
   continuum::Range softness = inertial;
   for (const FlowPoint& point : points) {
-    // The ends of the range are measured too: they reach as far as their standard errors.
-    const dem::Estimate& I = point.inertial_number;
-    inertial.lower = std::min(inertial.lower, I.value - I.error);
-    inertial.upper = std::max(inertial.upper, I.value + I.error);
+    inertial.lower = std::min(inertial.lower, point.inertial_number.value);
+    inertial.upper = std::max(inertial.upper, point.inertial_number.value);
     softness.lower = std::min(softness.lower, point.softness_lower);
     softness.upper = std::max(softness.upper, point.softness_upper);
   }
