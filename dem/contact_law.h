@@ -1,7 +1,6 @@
 #pragma once
 
 #include <concepts>
-#include <type_traits>
 
 #include "dem/cohesion_laws.h"
 #include "dem/contact.h"
@@ -10,55 +9,126 @@
 
 namespace grainlaw::dem {
 
-/// What a normal law must have.
+/// What a normal law must have, for one contact and for a pack of them.
 template <class L>
-concept NormalLaw = requires(const L law, const Contact& contact, double reduced_mass) {
+concept NormalLaw = requires(const L law, const Contact& contact, const ContactOf<Pack>& pack) {
   { law.force(contact) } -> std::same_as<double>;
+  { law.force(pack) } -> std::same_as<Pack>;
+  { law.elastic_force(pack) } -> std::same_as<Pack>;
+  { law.prefactor(pack) } -> std::same_as<Pack>;
   { law.elastic_energy(contact) } -> std::same_as<double>;
-  { law.dissipated_power(contact) } -> std::same_as<double>;
-  { law.contact_time(reduced_mass) } -> std::same_as<double>;
 };
 
-/// What a cohesion law must have; one that acts adds its force and range here.
+/// What a cohesion law must have: a force and its range only if it attracts.
 template <class L>
-concept CohesionLaw = requires {
-  typename L::History;
+concept CohesionLaw =
+    !L::attracts || requires(const L law, const Contact& contact, const ContactOf<Pack>& pack) {
+  { law.force(contact, true) } -> std::same_as<double>;
+  { law.force(pack, PackMask(true)) } -> std::same_as<Pack>;
+  { law.energy(contact, true) } -> std::same_as<double>;
+  { law.range() } -> std::same_as<double>;
+  { law.largest_attraction(1.0) } -> std::same_as<double>;
+  { law.steepest_slope(1.0) } -> std::same_as<double>;
+  { law.reference } -> std::convertible_to<CoulombReference>;
 };
 
-/// What a friction law must have: a force only if it makes grains rotate.
+/// What a friction law must have: a limit only if it makes grains rotate.
 template <class L>
-concept FrictionLaw = requires {
-  typename L::History;
-}
-&&(!L::rotates || requires(const L law,
-                           const Contact& contact,
-                           const TangentialMotion& motion,
-                           typename L::History history,
-                           TangentialWork work) {
-  { law.force(contact, motion, 1.0, 1.0, history, work) } -> std::same_as<Vec3>;
-  { law.energy_lost(history) } -> std::same_as<double>;
-});
+concept FrictionLaw = !L::rotates || requires(const L law,
+                                              const NormalLoad<Pack>& load,
+                                              const TangentialSpring<Pack>& spring,
+                                              const Pack& trial2) {
+  { law.limit(load, spring, trial2) } -> std::same_as<Pack>;
+  { law.stiffness } -> std::convertible_to<double>;
+  { law.damping } -> std::convertible_to<double>;
+};
 
-static_assert(NormalLaw<Hooke> && CohesionLaw<Cohesionless>);
-static_assert(FrictionLaw<Frictionless> && FrictionLaw<Sliding>);
+static_assert(NormalLaw<Hooke> && NormalLaw<Hertz>);
+static_assert(CohesionLaw<Cohesionless> && CohesionLaw<GaussianWell> &&
+              CohesionLaw<ReversibleAdhesion> && CohesionLaw<LiquidBridge>);
+static_assert(FrictionLaw<Frictionless> && FrictionLaw<Sliding> && FrictionLaw<StickSlip>);
 
-/// The law of one run, put together from three independent parts. What a part does not need takes
-/// no space: the history of an empty law is empty.
+/// The law of one run, put together from three independent parts. What a part does not need is
+/// neither stored nor computed.
 template <NormalLaw N, CohesionLaw C, FrictionLaw F>
 struct ContactLaw {
   N normal;
   [[no_unique_address]] C cohesion;
   [[no_unique_address]] F friction;
 
-  struct History {
-    [[no_unique_address]] typename C::History cohesion;
-    [[no_unique_address]] typename F::History friction;
-  };
+  static constexpr bool rotates = F::rotates;    ///< grains spin, contacts keep a spring
+  static constexpr bool attracts = C::attracts;  ///< pairs act beyond contact
+  static constexpr bool bridges = C::bridges;    ///< pairs remember a liquid bridge
+  static constexpr bool keeps_history = rotates || bridges;
 
-  static constexpr bool rotates = F::rotates;
-  static constexpr bool keeps_history = !std::is_empty_v<History>;
+  double range() const {  ///< gap up to which a pair acts [length]
+    if constexpr (attracts)
+      return cohesion.range();
+    else
+      return 0.0;
+  }
 };
 template <class N, class C, class F>
 ContactLaw(N, C, F) -> ContactLaw<N, C, F>;
+
+/// Force of one contact, or of a pack of them, on the first grain.
+template <class S>
+struct ContactForce {
+  S normal = S(0.0);           ///< cohesion included [force]
+  Vector3<S> tangential;       ///< [force]
+  S normal_dashpot = S(0.0);   ///< dissipated in this step [energy]
+  S prefactor_work = S(0.0);   ///< taken from tangential springs by a falling prefactor [energy]
+  TangentialWork<S> friction;  ///< of this step
+};
+
+/// Between grains that do not touch there is no friction and no spring.
+template <class S>
+void release_unless(const Mask<S>& touches, TangentialSpring<S>& spring, ContactForce<S>& force) {
+  const auto keep = [&](S& value) { value = select(touches, value, S(0.0)); };
+  keep(spring.stretch.x), keep(spring.stretch.y), keep(spring.stretch.z), keep(spring.slipping);
+  keep(force.friction.dashpot), keep(force.friction.slip), keep(force.friction.elastic_energy);
+  keep(force.prefactor_work);
+}
+
+/// The whole law of a contact: normal force and cohesion, then friction bounded by them. Between
+/// grains that do not touch only cohesion acts, and the spring is let go. `grip` multiplies the
+/// coefficient of friction: 1, or 0 at a smooth wall.
+template <class Law, class S>
+ContactForce<S> contact_force(const Law& law,
+                              const ContactOf<S>& contact,
+                              const TangentialMotion<S>& motion,
+                              const S& grip,
+                              const Mask<S>& bridged,
+                              double time_step,
+                              TangentialSpring<S>& spring) {
+  ContactForce<S> result;
+  const Mask<S> touches = contact.overlap > S(0.0);
+  const S repulsion = select(touches, law.normal.force(contact), S(0.0));
+  const S elastic = select(touches, law.normal.elastic_force(contact), S(0.0));
+  result.normal = repulsion;
+  result.normal_dashpot = (elastic - repulsion) * contact.normal_velocity * time_step;
+  NormalLoad<S> load{.coulomb_reference = abs(repulsion)};
+  if constexpr (Law::attracts) {
+    const S pull = law.cohesion.force(contact, bridged);
+    result.normal += pull;
+    load.coulomb_reference = coulomb_reference(law.cohesion.reference, repulsion, pull);
+  }
+  if constexpr (Law::rotates) {
+    load.prefactor = law.normal.prefactor(contact);
+    load.coulomb_reference *= grip;
+    const Vector3<S> force =
+        friction_force(law.friction, contact, motion, load, time_step, spring, result.friction);
+    result.tangential = {select(touches, force.x, S(0.0)),
+                         select(touches, force.y, S(0.0)),
+                         select(touches, force.z, S(0.0))};
+    if constexpr (!decltype(law.normal)::constant_prefactor) {
+      // d/dt sqrt(overlap) = -v_n / (2 overlap) sqrt(overlap).
+      result.prefactor_work = 0.5 * time_step * result.friction.elastic_energy *
+                              contact.normal_velocity / contact.overlap;
+    }
+    release_unless(touches, spring, result);
+  }
+  return result;
+}
 
 }  // namespace grainlaw::dem

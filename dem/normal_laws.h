@@ -9,19 +9,31 @@
 namespace grainlaw::dem {
 
 /// Linear spring and dashpot, f = k overlap - gamma m_ij v_n  (Brewster et al. 2008, eq. 2 with
-/// f(x) = 1). Not clipped: the end of a contact attracts, as their eq. 7 assumes.
+/// f(x) = 1; Shi et al. 2020, eq. 2). Not clipped unless asked: the end of a contact attracts, as
+/// eq. 7 of Brewster et al. assumes.
 struct Hooke {
   static constexpr std::string_view name = "hooke";
-  double stiffness = 0.0;  ///< k_n [mass/time^2]
-  double damping = 0.0;    ///< gamma_n [1/time], times the reduced mass
+  static constexpr bool constant_prefactor = true;
+  double stiffness = 0.0;        ///< k_n [mass/time^2]
+  double damping = 0.0;          ///< gamma_n [1/time], times the reduced mass
+  bool clip_attraction = false;  ///< no negative force between touching grains
 
-  double force(const Contact& c) const {
-    return stiffness * c.overlap - damping * c.reduced_mass * c.normal_velocity;
+  template <class S>
+  S elastic_force(const ContactOf<S>& c) const {
+    return stiffness * c.overlap;
+  }
+  /// Of touching grains [force].
+  template <class S>
+  S force(const ContactOf<S>& c) const {
+    const S total = elastic_force(c) - damping * c.reduced_mass * c.normal_velocity;
+    return clip_attraction ? max(total, S(0.0)) : total;
+  }
+  /// f(x) of Brewster et al., by which tangential forces are multiplied too.
+  template <class S>
+  S prefactor(const ContactOf<S>&) const {
+    return S(1.0);
   }
   double elastic_energy(const Contact& c) const { return 0.5 * stiffness * c.overlap * c.overlap; }
-  double dissipated_power(const Contact& c) const {
-    return damping * c.reduced_mass * c.normal_velocity * c.normal_velocity;
-  }
 
   /// Duration of a collision without damping, pi sqrt(m_ij / k) [time].
   double contact_time(double reduced_mass) const {
@@ -43,5 +55,46 @@ inline double damping_for(double restitution, double stiffness, double reduced_m
   const double ratio = loss / std::hypot(std::numbers::pi, loss);
   return 2.0 * ratio * std::sqrt(stiffness / reduced_mass);
 }
+
+/// Hertz: f = sqrt(overlap / (R_i + R_j)) (k overlap - gamma m_ij v_n): the prefactor stands before
+/// spring and dashpot alike (Brewster et al. 2008, eq. 2 with f(x) = sqrt(x)). At a wall R_j = 0
+/// makes the contact sqrt(2) times stiffer, as for a sphere on a plane.
+struct Hertz {
+  static constexpr std::string_view name = "hertz";
+  static constexpr bool constant_prefactor = false;
+  double stiffness = 0.0;        ///< k_n [mass/time^2]
+  double damping = 0.0;          ///< gamma_n [1/time], times the reduced mass
+  bool clip_attraction = false;  ///< no negative force between touching grains
+
+  template <class S>
+  S prefactor(const ContactOf<S>& c) const {
+    return sqrt(max(c.overlap, S(0.0)) / c.radius_sum);
+  }
+  template <class S>
+  S elastic_force(const ContactOf<S>& c) const {
+    return prefactor(c) * stiffness * c.overlap;
+  }
+  template <class S>
+  S force(const ContactOf<S>& c) const {
+    const S total =
+        prefactor(c) * (stiffness * c.overlap - damping * c.reduced_mass * c.normal_velocity);
+    return clip_attraction ? max(total, S(0.0)) : total;
+  }
+  double elastic_energy(const Contact& c) const {
+    return 0.4 * prefactor(c) * stiffness * c.overlap * c.overlap;
+  }
+
+  /// Half period of a pair at the tangent stiffness 3/2 k sqrt(x) of the relative overlap x [time].
+  double contact_time(double reduced_mass, double relative_overlap) const {
+    const double tangent = 1.5 * stiffness * std::sqrt(relative_overlap);
+    return std::numbers::pi * std::sqrt(reduced_mass / tangent);
+  }
+  /// Duration of a collision without damping at a closing speed v, for grains of diameter d:
+  /// 3.218 (m_ij sqrt(d) / k)^0.4 v^-0.2 [time].
+  double collision_time(double reduced_mass, double diameter, double speed) const {
+    return 3.2181 * std::pow(reduced_mass * std::sqrt(diameter) / stiffness, 0.4) *
+           std::pow(speed, -0.2);
+  }
+};
 
 }  // namespace grainlaw::dem

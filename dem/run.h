@@ -2,6 +2,7 @@
 
 #include <functional>
 
+#include "dem/checkpoint.h"
 #include "dem/local_data.h"
 #include "dem/scene.h"
 
@@ -20,18 +21,35 @@ struct Progress {
 /// Called between frames; return false to stop the run after this frame (its data are kept).
 using Observer = std::function<bool(const Progress&)>;
 
+/// What a run is asked beside its scene. Nothing here changes the path of the grains.
+struct RunOptions {
+  Observer observer;
+  int threads = 1;
+  /// Takes a checkpoint: about every checkpoint_interval seconds of wall time, and when the run is
+  /// stopped by the observer. Absent: none is made.
+  std::function<void(const Checkpoint&)> save;
+  double checkpoint_interval = 60.0;   ///< [s]
+  const Checkpoint* resume = nullptr;  ///< go on from here instead of from the start
+};
+
 /// A run that cannot go on: NaN, lost grain, overlap above max_overlap. Names grain, contact, step.
 struct RunError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// A checkpoint that belongs to another scene, or is not complete.
+struct CheckpointError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
 /// Conditions of the scene that fits and predictions may use.
 ChuteConditions conditions(const Scene& scene);
 
-/// Runs the scene from rest: pack, settle at zero tilt, tilt, flow until the steady window is long
-/// enough or the time limit is reached. Same scene, seed and build: identical numbers.
-/// Throws SceneError, StepRefused, RunError.
-LocalData run(const Scene& scene, const Observer& observer = {});
+/// Runs the scene: its start, or a packing that settles first; then it flows until the steady
+/// window is long enough or the time limit is reached. Same scene, seed and build: identical
+/// numbers. Throws SceneError, StepRefused, RunError; CheckpointError when `resume` does not fit
+/// the scene.
+LocalData run(const Scene& scene, const RunOptions& options = {});
 
 /// Seconds one step of this scene takes on this machine, from a short measurement.
 double measure_step_seconds(const Scene& scene);

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <numbers>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -11,17 +12,31 @@
 #include "dem/cohesion_laws.h"
 #include "dem/friction_laws.h"
 #include "dem/normal_laws.h"
+#include "dem/vec3.h"
 
 namespace grainlaw::dem {
 
-/// Monodisperse spheres. All numbers of a scene are in one consistent set of units; inside
-/// grainlaw that is the set "grain", in which mass, diameter and gravity are 1.
+/// Spheres of one density, with diameters spread uniformly (by number) between the smallest and the
+/// largest. All numbers of a scene are in one consistent set of units; inside grainlaw that is the
+/// set "grain", in which the mass of a grain of mean diameter, that diameter and gravity are 1.
 struct Grains {
-  double diameter = 1.0;  ///< d [length]
-  double mass = 1.0;      ///< m [mass]
+  double diameter = 1.0;    ///< d, number mean [length]
+  double mass = 1.0;        ///< m of a grain of the mean diameter [mass]
+  double size_ratio = 1.0;  ///< w, largest diameter over smallest (Shi et al. 2020); 1: equal
 
+  double smallest() const { return 2.0 * diameter / (1.0 + size_ratio); }              ///< [length]
+  double largest() const { return 2.0 * size_ratio * diameter / (1.0 + size_ratio); }  ///< [length]
   double density() const {  ///< rho_p = 6 m / (pi d^3) [mass/length^3]
     return 6.0 * mass / (std::numbers::pi * diameter * diameter * diameter);
+  }
+  double mass_of(double grain_diameter) const {  ///< [mass]
+    const double ratio = grain_diameter / diameter;
+    return mass * ratio * ratio * ratio;
+  }
+  /// Mean mass of a grain: <D^3> = d^3 (1 + ((w - 1)/(w + 1))^2) for uniform sizes [mass].
+  double mean_mass() const {
+    const double spread = (size_ratio - 1.0) / (size_ratio + 1.0);
+    return mass * (1.0 + spread * spread);
   }
 };
 
@@ -32,11 +47,29 @@ struct BumpyBase {
   double packing_fraction = 0.585;  ///< of the packing it is cut from
 };
 
+/// One layer of glued grains of the mean diameter on a triangular lattice, stretched a little to
+/// fit the periods.
+struct LatticeBase {
+  double spacing = 1.0;  ///< of neighbouring centres [d]
+};
+
+/// A flat wall at z = 0.
+struct FlatBase {
+  bool frictional = true;  ///< false: smooth, no tangential force
+};
+
+using Base = std::variant<BumpyBase, LatticeBase, FlatBase>;
+
 /// The base in words, equal for equal recipes.
-std::string recipe(const BumpyBase& base);
+std::string recipe(const Base& base);
 
 /// Volume fraction of a dense flow, to turn a depth into a number of grains and back.
 inline constexpr double nominal_packing = 0.57;
+
+/// Flat walls at y = 0 and y = width in place of the periodic boundary.
+struct Sidewalls {
+  bool frictional = true;  ///< false: smooth
+};
 
 /// Inclined layer with free surface, periodic in x (flow) and y (vorticity), z normal to the base
 /// (Brewster et al. 2008, section II). Gravity is (g sin(theta), 0, -g cos(theta)).
@@ -44,9 +77,70 @@ struct Chute {
   double inclination = 0.0;  ///< theta [rad], in [0, pi/2): the layer flows in +x
   double gravity = 1.0;      ///< g [length/time^2]
   double length = 8.0;       ///< period in x [length]
-  double width = 8.0;        ///< period in y [length]
+  double width = 8.0;        ///< period in y, or distance of the sidewalls [length]
   int grains = 0;            ///< number of flowing grains
-  BumpyBase base;
+  Base base = BumpyBase{};
+  std::optional<Sidewalls> sidewalls;
+};
+
+/// Homogeneous simple shear, v_x = shear_rate y: Lees-Edwards boundaries in x and y, plain periodic
+/// z. sigma_yy is held by the height of the box (Shi et al. 2020, section 2.2), or the volume is.
+struct SimpleShear {
+  double shear_rate = 0.0;         ///< d v_x / d y [1/time]
+  std::optional<double> pressure;  ///< sigma_yy to hold, 0 allowed [stress]; absent: fixed volume
+  int grains = 0;                  ///< number of grains
+  double volume_fraction = 0.6;    ///< at the start, where no size is given
+  Vec3 size;                       ///< of the box at the start [length]; 0: a cube by the above
+};
+
+/// A dense layer between two rough walls parallel to x and y; the upper one moves along x.
+struct PlaneShear {
+  double velocity = 0.0;          ///< of the upper wall [length/time]
+  std::optional<double> load;     ///< normal stress on the upper wall [stress]; absent: fixed gap
+  double gravity = 0.0;           ///< g along -z [length/time^2]
+  double length = 8.0;            ///< period in x [length]
+  double width = 8.0;             ///< period in y [length]
+  int grains = 0;                 ///< number of grains between the walls
+  double volume_fraction = 0.58;  ///< of the grains between the walls at the start
+  Base wall = BumpyBase{};        ///< the upper one is its mirror image; not flat
+};
+
+/// A box periodic in all directions, driven along x by a force per mass F sin(2 pi y / L_y), with
+/// sigma_yy held by the height of the box.
+struct BodyForceBox {
+  double amplitude = 0.0;  ///< F [length/time^2]
+  double pressure = 0.0;   ///< sigma_yy to hold [stress]
+  double length = 8.0;     ///< period in x [length]
+  double width = 8.0;      ///< period in z [length]
+  int grains = 0;
+  double volume_fraction = 0.58;  ///< at the start; gives the height
+};
+
+/// A wedge of the ring cell with a split bottom (Shi et al. 2020, section 2.3): inner cylinder and
+/// the rough bottom inside the split radius at rest, outer cylinder and the bottom outside it
+/// rotating about z; free surface, gravity along -z, rotational periodic boundaries.
+struct SplitBottom {
+  double inner_radius = 6.68;  ///< R_i [length]
+  double split_radius = 38.6;  ///< R_s [length]
+  double outer_radius = 50.0;  ///< R_o [length]
+  double wedge =
+      std::numbers::pi / 6.0;            ///< angle of the section [rad]: 2 pi / integer, up to pi/2
+  double rotation_rate = 0.0;            ///< Omega [rad/time]
+  double gravity = 1.0;                  ///< g [length/time^2]
+  int grains = 0;                        ///< number of flowing grains
+  double base_packing_fraction = 0.585;  ///< of the packing the rough bottom is cut from
+  double base_thickness = 1.2;           ///< of its layer of centres [d]
+};
+
+using Geometry = std::variant<Chute, SimpleShear, PlaneShear, BodyForceBox, SplitBottom>;
+
+/// A grain of a given start.
+struct StartGrain {
+  Vec3 position;          ///< [length]
+  Vec3 velocity;          ///< [length/time]
+  Vec3 rotation;          ///< omega [1/time]
+  double diameter = 1.0;  ///< [length]
+  bool frozen = false;    ///< part of the base or of a wall
 };
 
 /// What is averaged and for how long. Times in units of the scene.
@@ -62,10 +156,12 @@ struct Measurement {
 struct Scene {
   std::string name;  ///< of the run, for messages and reports
   Grains grains;
-  std::variant<Hooke> normal = Hooke{};
-  std::variant<Cohesionless> cohesion = Cohesionless{};
-  std::variant<Frictionless, Sliding> friction = Frictionless{};
-  Chute geometry;
+  std::variant<Hooke, Hertz> normal = Hooke{};
+  std::variant<Cohesionless, GaussianWell, ReversibleAdhesion, LiquidBridge> cohesion =
+      Cohesionless{};
+  std::variant<Frictionless, Sliding, StickSlip> friction = Frictionless{};
+  Geometry geometry = Chute{};
+  std::vector<StartGrain> start;  ///< empty: a packing made for the geometry
   Measurement measurement;
   double time_step = 0.0;            ///< [time]; 0: shortest contact time / 50
   bool allow_unstable_step = false;  ///< accept a step above shortest contact time / 15
@@ -110,18 +206,25 @@ struct StepRefused : SceneError {
 /// Checks the scene as a whole. Throws SceneError or StepRefused.
 void validate(const Scene& scene);
 
-/// Shortest contact time over the stiffnesses present, normal and tangential, of an undamped pair:
-/// pi sqrt(m_eff / k) with m_eff the effective mass of that mode [time].
+/// Shortest contact time over the pairs and stiffnesses present (normal, tangential, slope of the
+/// attraction) of an undamped pair: pi sqrt(m_eff / k) with m_eff the effective mass of that mode
+/// for the smallest grains. Hertz: the tangent stiffness at max_overlap [time].
 double shortest_contact_time(const Scene& scene);
 
 /// The step a run of this scene takes: its own, or the default [time].
 double time_step(const Scene& scene);
 
-/// Depth of the flowing grains at nominal_packing [length].
-double nominal_depth(const Scene& scene);
+/// "chute", "simple_shear", "plane_shear", "body_force_box", "split_bottom".
+std::string_view kind(const Geometry& geometry);
 
-/// Flowing mass per unit area of the base, N m / (length width) [mass/length^2].
-double mass_per_area(const Scene& scene);
+/// Number of mobile grains.
+int grains(const Scene& scene);
+
+/// Depth of the flowing grains at nominal_packing [length].
+double nominal_depth(const Grains& grains, const Chute& chute);
+
+/// Mean flowing mass per unit area of the base [mass/length^2].
+double mass_per_area(const Grains& grains, const Chute& chute);
 
 /// What a run uses and what is left out because the scene does not ask for it, a line each.
 struct SceneSummary {
