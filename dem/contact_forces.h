@@ -3,154 +3,536 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <type_traits>
 #include <vector>
 
+#include "dem/box.h"
 #include "dem/contact_law.h"
 #include "dem/neighbour_list.h"
 #include "dem/particles.h"
 
 namespace grainlaw::dem {
 
-/// What every contact of a run has in common.
-struct ContactSetting {
-  double diameter = 1.0;   ///< of all grains [length]
-  double mass = 1.0;       ///< of a grain [mass]
-  double time_step = 0.0;  ///< [time]
-  std::array<Vec3, 27> shifts;
+/// Pairs as parallel arrays, in the order of the neighbour list. Up to pack_width words behind the
+/// last pair may be read and written.
+struct PairArrays {
+  std::size_t count = 0;
+  std::vector<std::uint32_t> first;
+  std::vector<std::uint32_t> partner;  ///< Partner::bits
+  std::vector<std::uint32_t> load;     ///< where the force on the partner is added
+  std::vector<std::uint32_t> pair;     ///< place in the neighbour list
+
+  void reserve(std::size_t pairs) {
+    for (auto* words : {&first, &partner, &load, &pair}) {
+      if (words->size() < pairs + pack_width) words->resize(pairs + pack_width);
+    }
+  }
+};
+
+/// What listed pairs remember, kept only where the law has a history.
+struct PairMemory {
+  struct alignas(32) Spring {
+    Vec3 stretch;           ///< [length]
+    double slipping = 0.0;  ///< 1: slips (StickSlip)
+  };
+  std::uint32_t pairs = 0;           ///< of the list; the place behind serves lanes without a pair
+  std::vector<Spring> spring;        ///< where the law has friction
+  std::vector<std::uint8_t> bridge;  ///< 1: a liquid bridge
+  std::vector<std::uint8_t> active;  ///< 1: acted at the last step; only while pairs are searched
+
+  /// Forgets everything and makes room.
+  template <class Law>
+  void reset(std::size_t listed) {
+    pairs = static_cast<std::uint32_t>(listed);
+    if constexpr (Law::rotates) spring.assign(listed + 1, {});
+    if constexpr (Law::bridges) bridge.assign(listed + 1, 0);
+    if constexpr (Law::keeps_history) active.assign(listed + pack_width, 0);
+  }
 };
 
 /// Sums over the contacts of one step.
 struct ContactSums {
-  double elastic_energy = 0.0;   ///< in the normal springs now [energy]
-  double normal_dashpot = 0.0;   ///< dissipated in this step [energy]
-  TangentialWork tangential;     ///< of this step
-  double spring_lost = 0.0;      ///< by contacts that opened in this step [energy]
-  double largest_overlap = 0.0;  ///< [length]
+  double tangential_energy = 0.0;  ///< in the tangential springs now [energy]
+  double normal_dashpot = 0.0;     ///< dissipated in this step [energy]
+  double tangential_dashpot = 0.0;
+  double slip = 0.0;
+  double spring_lost = 0.0;      ///< springs of contacts that opened in this step
+  double prefactor_work = 0.0;   ///< taken from tangential springs by a falling Hertz prefactor
+  double bridge_lost = 0.0;      ///< bridges that ruptured in this step
+  double virial_yy = 0.0;        ///< sum of force times branch along y [energy]
+  double largest_overlap = 0.0;  ///< of the smaller radius
+
+  ContactSums& operator+=(const ContactSums& b);
 };
 
-/// The pairs of the list that touch, and what they remember. History and touching flags are kept
-/// per listed pair, only where the law has a history.
-template <class Law>
-struct ContactTable {
-  struct Touching {
-    std::uint32_t grain;
-    std::uint32_t pair;
-  };
-  std::vector<Touching> touching;  ///< the first `count` are valid
-  std::size_t count = 0;
-  std::vector<typename Law::History> history;
-  std::vector<std::uint8_t> remembers;
-
-  void resize(std::size_t pairs) {
-    touching.resize(pairs);
-    if constexpr (Law::keeps_history) {
-      history.assign(pairs, {});
-      remembers.assign(pairs, 0);
-    }
-  }
+/// A stretch of mobile grains and their rows of the list. How grains are cut into strips depends on
+/// the scene alone; threads take strips, so that no sum depends on their number.
+struct Strip {
+  std::size_t begin = 0;  ///< grains
+  std::size_t end = 0;
+  PairArrays near;                        ///< listed pairs that may act before the next search
+  std::vector<std::uint8_t> near_active;  ///< a bit per near pair: acted at the last step
+  PairArrays acting;                      ///< pairs that act at this step
+  ContactSums sums;                       ///< of this step
+  std::array<Row8, 27> image_load;        ///< forces across moving images, on the first grain
 };
 
-/// Lists the touching pairs; a contact that opened forgets.
-template <class Law>
-void find_contacts(const Law& law,
-                   const ContactSetting& setting,
-                   const Particles& particles,
-                   const NeighbourList& list,
-                   ContactTable<Law>& table,
-                   ContactSums& sums) {
-  const double diameter2 = setting.diameter * setting.diameter;
-  const Partner* partners = list.partners().data();
-  const GrainState* state = particles.state.data();
-  auto* next = table.touching.data();
-  std::uint32_t pair = 0;
-  for (std::uint32_t i = 0; i < particles.mobile; ++i) {
-    const Vec3 position = state[i].position;
-    for (const std::uint32_t end = list.row_begin(i + 1); pair < end; ++pair) {
-      const Partner partner = partners[pair];
-      const Vec3 branch =
-          position - (state[partner.grain()].position + setting.shifts[partner.image()]);
-      const bool touches = square(branch) < diameter2;
-      *next = {i, pair};
-      next += touches;
-      if constexpr (Law::keeps_history) {
-        if (table.remembers[pair] > touches) {
-          sums.spring_lost += law.friction.energy_lost(table.history[pair].friction);
-          table.history[pair] = {};
-        }
-        table.remembers[pair] = touches;
-      }
-    }
-  }
-  table.count = static_cast<std::size_t>(next - table.touching.data());
+/// What every contact of a run has in common.
+struct ContactSetting {
+  double time_step = 0.0;        ///< [time]
+  bool equal_sizes = true;       ///< one radius for all grains
+  bool moving_images = false;    ///< Lees-Edwards: forces across images are summed by image
+  double smallest_radius = 0.5;  ///< [length]
+  std::array<ImageShift, 27> shifts;
+};
+
+/// 2 R_i R_j / (R_i + R_j), or 2 R_i at a wall (R_j = 0) [length].
+inline double harmonic_radius(double a, double b) {
+  return b == 0.0 ? 2.0 * a : 2.0 * a * b / (a + b);
 }
 
-/// Adds the force of one touching pair to both grains. record(i, j, branch, force_on_i) sees it.
-template <class Law, class Record>
-void add_contact(const Law& law,
+/// For steps that nobody looks at.
+struct NoRecord {};
+
+namespace detail {
+
+inline Row8 difference_sign() {  // positions, velocities: first - partner; the others: sum
+  alignas(64) static constexpr double sign[8] = {-1, -1, -1, 1, -1, -1, -1, 1};
+  return Row8::load(sign);
+}
+inline Row8 reaction_sign() {  // force: opposite on the partner; torque / radius: the same
+  alignas(64) static constexpr double sign[8] = {-1, -1, -1, -1, 1, 1, 1, 1};
+  return Row8::load(sign);
+}
+inline PackMask first_lanes(std::size_t lanes) {
+  return mask_of((1u << lanes) - 1u);
+}
+
+/// Bits of the pairs k to k + pack_width whose surfaces are closer than `gap`.
+[[gnu::always_inline]] inline std::uint32_t closer_than(double gap,
+                                                        const ContactSetting& setting,
+                                                        const GrainState* state,
+                                                        const std::uint32_t* first,
+                                                        const Partner* partner) {
+  alignas(32) static constexpr double sign[4] = {-1, -1, -1, 1};
+  const Row4 minus = load_row4(sign);
+  Row4 rows[pack_width];
+  for (std::size_t k = 0; k < pack_width; ++k) {
+    const Row4 there = load_row4(&state[partner[k].grain()].position.x) +
+                       load_row4(&setting.shifts[partner[k].image()].position.x);
+    rows[k] = load_row4(&state[first[k]].position.x) + minus * there;
+  }
+  Pack column[4];
+  columns_of(rows, column);
+  const Pack near = column[3] + gap;
+  const Pack distance2 = square(Vector3<Pack>{column[0], column[1], column[2]});
+  return bits(distance2 < near * near);
+}
+
+}  // namespace detail
+
+/// Chooses from the list the pairs of a strip that may come within `range` while surfaces approach
+/// by less than `skin`, and those that acted at the last step.
+template <class Law>
+void search_near(double range,
+                 double skin,
                  const ContactSetting& setting,
-                 Particles& particles,
-                 std::uint32_t i,
-                 Partner partner,
-                 [[maybe_unused]] typename Law::History* history,
-                 ContactSums& sums,
-                 Record&& record) {
-  const std::uint32_t j = partner.grain();
-  const GrainState& a = particles.state[i];
-  const GrainState& b = particles.state[j];
-  const Vec3 branch = a.position - (b.position + setting.shifts[partner.image()]);
-  const Vec3 velocity = a.velocity - b.velocity;
-  const double distance = length(branch);
-  const double inverse_distance = 1.0 / distance;
-  Contact contact;
-  contact.normal = inverse_distance * branch;
-  contact.distance = distance;
-  contact.overlap = setting.diameter - distance;
-  contact.normal_velocity = dot(velocity, contact.normal);
-  contact.reduced_mass = j < particles.mobile ? 0.5 * setting.mass : setting.mass;
-
-  const double normal_force = law.normal.force(contact);
-  Vec3 force = normal_force * contact.normal;
-  sums.elastic_energy += law.normal.elastic_energy(contact);
-  sums.normal_dashpot += law.normal.dissipated_power(contact) * setting.time_step;
-  sums.largest_overlap = std::max(sums.largest_overlap, contact.overlap);
-
-  if constexpr (Law::rotates) {
-    // The contact point halves the distance of the centres: arm r/2 in the surface velocity and in
-    // the torque alike, so that angular momentum and energy are kept at any overlap.
-    const double arm = distance / setting.diameter;  // [radius]
-    const Vec3 sliding = velocity - contact.normal_velocity * contact.normal;
-    const Vec3 spin = particles.spin[i] + particles.spin[j];
-    const TangentialMotion motion{.surface_velocity = sliding - arm * cross(spin, contact.normal),
-                                  .normal_rate = inverse_distance * sliding};
-    const Vec3 friction = law.friction.force(
-        contact, motion, normal_force, setting.time_step, history->friction, sums.tangential);
-    force += friction;
-    const Vec3 torque = -arm * cross(contact.normal, friction);
-    particles.load[i].torque += torque;
-    particles.load[j].torque += torque;
+                 const Particles& particles,
+                 const NeighbourList& list,
+                 const std::vector<std::uint32_t>& load,
+                 const PairMemory& memory,
+                 Strip& strip) {
+  const std::uint32_t begin = list.row_begin(strip.begin);
+  const std::uint32_t end = list.row_begin(strip.end);
+  PairArrays& near = strip.near;
+  near.reserve(end - begin);
+  near.count = 0;
+  std::array<std::uint32_t, pack_width> pairs;
+  for (std::uint32_t p = begin; p < end; p += pack_width) {
+    const std::uint32_t lanes = std::min<std::uint32_t>(pack_width, end - p);
+    std::uint32_t chosen = detail::closer_than(
+        range + skin, setting, particles.state.data(), list.first() + p, list.partners() + p);
+    for (std::uint32_t k = 0; k < pack_width; ++k) pairs[k] = p + k;
+    if constexpr (Law::keeps_history) {
+      for (std::uint32_t k = 0; k < lanes; ++k) chosen |= std::uint32_t{memory.active[p + k]} << k;
+    }
+    chosen &= (1u << lanes) - 1u;
+    const std::size_t n = near.count;
+    compress(list.first() + p, chosen, near.first.data() + n);
+    compress(&list.partners()[p].bits, chosen, near.partner.data() + n);
+    compress(load.data() + p, chosen, near.load.data() + n);
+    near.count += compress(pairs.data(), chosen, near.pair.data() + n);
   }
-  particles.load[i].force += force;
-  particles.load[j].force -= force;
-  record(i, j, branch, force);
+  for (std::size_t k = near.count; k < near.count + pack_width; ++k) {
+    near.first[k] = 0;
+    near.partner[k] = Partner::of(0, own_image).bits;
+  }
+  if constexpr (Law::keeps_history) {
+    strip.near_active.assign(near.count / pack_width + 1, 0);
+    for (std::size_t k = 0; k < near.count; ++k) {
+      const auto bit = static_cast<std::uint8_t>(memory.active[near.pair[k]] << k % pack_width);
+      strip.near_active[k / pack_width] =
+          static_cast<std::uint8_t>(strip.near_active[k / pack_width] | bit);
+    }
+  }
 }
 
-/// Adds the forces of all contacts to the loads.
-template <class Law, class Record>
-ContactSums add_contact_forces(const Law& law,
-                               const ContactSetting& setting,
-                               Particles& particles,
-                               const NeighbourList& list,
-                               ContactTable<Law>& table,
-                               Record&& record) {
-  ContactSums sums;
-  find_contacts(law, setting, particles, list, table, sums);
-  for (std::size_t k = 0; k < table.count; ++k) {
-    const auto [grain, pair] = table.touching[k];
-    typename Law::History* history = nullptr;
-    if constexpr (Law::keeps_history) history = &table.history[pair];
-    add_contact(law, setting, particles, grain, list.partners()[pair], history, sums, record);
+/// A pair that no longer acts forgets; what its spring or bridge held is lost.
+template <class Law>
+void release(const Law& law,
+             const Particles& particles,
+             std::uint32_t first,
+             Partner partner,
+             std::uint32_t pair,
+             PairMemory& memory,
+             ContactSums& sums) {
+  if constexpr (Law::rotates) {
+    if constexpr (decltype(law.normal)::constant_prefactor) {
+      sums.spring_lost += spring_energy(law.friction, memory.spring[pair].stretch, 1.0);
+    }
+    memory.spring[pair] = {};
   }
-  return sums;
+  if constexpr (Law::bridges) {
+    if (memory.bridge[pair]) {
+      const double radius =
+          harmonic_radius(particles.state[first].radius, particles.state[partner.grain()].radius);
+      sums.bridge_lost += law.cohesion.rupture_energy(radius);
+      memory.bridge[pair] = 0;
+    }
+  }
+}
+
+/// Appends to `acting` those of the near pairs [begin, end) that act now; begin is a multiple of
+/// pack_width.
+template <class Law>
+void find_acting(const Law& law,
+                 const ContactSetting& setting,
+                 const Particles& particles,
+                 PairMemory& memory,
+                 Strip& strip,
+                 std::size_t begin,
+                 std::size_t end) {
+  const PairArrays& near = strip.near;
+  PairArrays& acting = strip.acting;
+  for (std::size_t k = begin; k < end; k += pack_width) {
+    std::uint32_t act = detail::closer_than(law.range(),
+                                            setting,
+                                            particles.state.data(),
+                                            near.first.data() + k,
+                                            reinterpret_cast<const Partner*>(&near.partner[k]));
+    if (near.count - k < pack_width) act &= (1u << (near.count - k)) - 1u;
+    if constexpr (Law::keeps_history) {
+      std::uint8_t& active = strip.near_active[k / pack_width];
+      for (std::uint32_t opened = active & ~act; opened != 0; opened &= opened - 1) {
+        const std::size_t at = k + static_cast<std::size_t>(__builtin_ctz(opened));
+        release(law,
+                particles,
+                near.first[at],
+                Partner{near.partner[at]},
+                near.pair[at],
+                memory,
+                strip.sums);
+      }
+      active = static_cast<std::uint8_t>(act);
+    }
+    const std::size_t n = acting.count;
+    compress(&near.first[k], act, &acting.first[n]);
+    compress(&near.partner[k], act, &acting.partner[n]);
+    compress(&near.load[k], act, &acting.load[n]);
+    acting.count += compress(&near.pair[k], act, &acting.pair[n]);
+  }
+}
+
+/// A pack of acting pairs as the laws see it; lanes without a pair repeat the first one, far apart.
+struct PackOfPairs {
+  std::array<std::uint32_t, pack_width> first;
+  std::array<std::uint32_t, pack_width> second;
+  std::array<std::uint32_t, pack_width> image;
+  std::array<std::uint32_t, pack_width> pair;
+  Vector3<Pack> branch;    ///< from the second to the first [length]
+  Pack radius_sum;         ///< [length]
+  Vector3<Pack> velocity;  ///< of the first against the second [length/time]
+  Pack inverse_mass;       ///< sum of 1/m [1/mass]
+  Vector3<Pack> spin;      ///< sum of R omega [length/time]
+  Pack grip;               ///< sum of grips
+};
+
+/// Sums over packs, before the lanes are added up.
+struct PackSums {
+  Pack normal_dashpot = 0.0;
+  Pack tangential_dashpot = 0.0;
+  Pack slip = 0.0;
+  Pack tangential_energy = 0.0;
+  Pack spring_lost = 0.0;
+  Pack prefactor_work = 0.0;
+  Pack virial_yy = 0.0;
+  Pack largest_overlap = 0.0;  ///< [length] for equal sizes, else of the smaller radius
+};
+
+/// The forces of acting pairs on both their grains. Everything is inlined into one loop, so that
+/// what belongs to a pack stays in registers.
+template <class Law>
+class ForceLoop {
+ public:
+  ForceLoop(const Law& law, const ContactSetting& setting, Particles& particles, PairMemory& memory)
+      : law_(law), setting_(setting), particles_(particles), memory_(memory) {}
+
+  /// Adds the forces of acting pairs [begin, end) of the strip; record(first, partner, branch,
+  /// force_on_first) sees each of them.
+  template <class Record>
+  void add(Strip& strip, std::size_t begin, std::size_t end, Record&& record) {
+    PackSums sums;
+    for (std::size_t k = begin; k < end; k += pack_width) {
+      add_pack(strip, k, std::min(pack_width, end - k), sums, record);
+    }
+    add_lanes(sums, strip.sums);
+  }
+
+ private:
+  template <class Record>
+  void add_pack(
+      Strip& strip, std::size_t k, std::size_t lanes, PackSums& sums, Record&& record) const;
+  PackOfPairs load_pairs(const PairArrays& acting, std::size_t k, std::size_t lanes) const;
+  ContactOf<Pack> contact(const PackOfPairs& pairs, const PackMask& valid) const;
+  TangentialSpring<Pack> load_springs(const PackOfPairs& pairs) const;
+  void store_springs(const TangentialSpring<Pack>& spring,
+                     const PackOfPairs& pairs,
+                     std::size_t lanes) const;
+  PackMask update_bridges(const PackOfPairs& pairs, const PackMask& touches) const;
+  Pack overlap_to_watch(const PackOfPairs& pairs, const ContactOf<Pack>& contact) const;
+  template <class Record>
+  void scatter(Strip& strip,
+               std::size_t k,
+               std::size_t lanes,
+               const PackOfPairs& pairs,
+               const Vector3<Pack>& force,
+               const Vector3<Pack>& torque,
+               Record&& record) const;
+  void add_lanes(const PackSums& from, ContactSums& to) const;
+
+  const Law& law_;
+  const ContactSetting& setting_;
+  Particles& particles_;
+  PairMemory& memory_;
+};
+
+template <class Law>
+[[gnu::always_inline]] inline PackOfPairs ForceLoop<Law>::load_pairs(const PairArrays& acting,
+                                                                     std::size_t k,
+                                                                     std::size_t lanes) const {
+  PackOfPairs pairs;
+  Row8 rows[pack_width];
+  Row4 spins[pack_width];
+  for (std::size_t lane = 0; lane < pack_width; ++lane) {
+    const std::size_t at = lane < lanes ? k + lane : k;
+    const Partner partner{acting.partner[at]};
+    pairs.first[lane] = acting.first[at];
+    pairs.second[lane] = partner.grain();
+    pairs.image[lane] = partner.image();
+    pairs.pair[lane] = lane < lanes ? acting.pair[at] : memory_.pairs;
+    const Row8 there = Row8::load(&particles_.state[pairs.second[lane]].position.x) +
+                       Row8::load(&setting_.shifts[pairs.image[lane]].position.x);
+    rows[lane] = add_scaled(Row8::load(&particles_.state[pairs.first[lane]].position.x),
+                            detail::difference_sign(),
+                            there);
+    if constexpr (Law::rotates) {
+      spins[lane] = load_row4(&particles_.spin[pairs.first[lane]].velocity.x) +
+                    load_row4(&particles_.spin[pairs.second[lane]].velocity.x);
+    }
+  }
+  Pack column[8];
+  columns_of(rows, column);
+  pairs.branch = {column[0], column[1], column[2]};
+  pairs.radius_sum = column[3];
+  pairs.velocity = {column[4], column[5], column[6]};
+  pairs.inverse_mass = column[7];
+  if constexpr (Law::rotates) {
+    Pack spin[4];
+    columns_of(spins, spin);
+    pairs.spin = {spin[0], spin[1], spin[2]};
+    pairs.grip = spin[3];
+  }
+  return pairs;
+}
+
+template <class Law>
+[[gnu::always_inline]] inline ContactOf<Pack> ForceLoop<Law>::contact(const PackOfPairs& pairs,
+                                                                      const PackMask& valid) const {
+  const Pack distance2 = square(pairs.branch);
+  const Pack inverse_distance = inverse_sqrt(distance2);
+  ContactOf<Pack> contact;
+  contact.normal = inverse_distance * pairs.branch;
+  contact.distance = distance2 * inverse_distance;
+  contact.overlap = select(valid, pairs.radius_sum - contact.distance, Pack(-1.0));
+  contact.normal_velocity = dot(pairs.velocity, contact.normal);
+  contact.reduced_mass = 1.0 / pairs.inverse_mass;
+  contact.radius_sum = pairs.radius_sum;
+  if constexpr (Law::bridges) {
+    contact.harmonic_radius = Pack([&](auto lane) {
+      return harmonic_radius(particles_.state[pairs.first[lane]].radius,
+                             particles_.state[pairs.second[lane]].radius);
+    });
+  }
+  return contact;
+}
+
+template <class Law>
+[[gnu::always_inline]] inline TangentialSpring<Pack> ForceLoop<Law>::load_springs(
+    const PackOfPairs& pairs) const {
+  Row4 rows[pack_width];
+  for (std::size_t lane = 0; lane < pack_width; ++lane) {
+    rows[lane] = load_row4(&memory_.spring[pairs.pair[lane]].stretch.x);
+  }
+  Pack column[4];
+  columns_of(rows, column);
+  return {{column[0], column[1], column[2]}, column[3]};
+}
+
+template <class Law>
+[[gnu::always_inline]] inline void ForceLoop<Law>::store_springs(
+    const TangentialSpring<Pack>& spring, const PackOfPairs& pairs, std::size_t lanes) const {
+  const Pack column[4] = {spring.stretch.x, spring.stretch.y, spring.stretch.z, spring.slipping};
+  Row4 rows[pack_width];
+  rows_of(column, rows);
+  for (std::size_t lane = 0; lane < lanes; ++lane) {
+    store(rows[lane], &memory_.spring[pairs.pair[lane]].stretch.x);
+  }
+}
+
+/// A bridge forms at the first touch; pairs that leave the range are released elsewhere.
+template <class Law>
+PackMask ForceLoop<Law>::update_bridges(const PackOfPairs& pairs, const PackMask& touches) const {
+  std::uint32_t bridged = bits(touches);
+  for (std::size_t lane = 0; lane < pack_width; ++lane) {
+    std::uint8_t& bridge = memory_.bridge[pairs.pair[lane]];
+    bridged |= std::uint32_t{bridge} << lane;
+    bridge = bridged >> lane & 1u;
+  }
+  memory_.bridge[memory_.pairs] = 0;
+  return mask_of(bridged);
+}
+
+template <class Law>
+[[gnu::always_inline]] inline Pack ForceLoop<Law>::overlap_to_watch(
+    const PackOfPairs& pairs, const ContactOf<Pack>& contact) const {
+  if (setting_.equal_sizes) return contact.overlap;
+  const Pack first([&](auto lane) { return particles_.state[pairs.first[lane]].radius; });
+  const Pack second = contact.radius_sum - first;
+  const Pack smaller = select(second > 0.5 * setting_.smallest_radius, min(first, second), first);
+  return contact.overlap / smaller;
+}
+
+template <class Law>
+template <class Record>
+[[gnu::always_inline]] inline void ForceLoop<Law>::add_pack(
+    Strip& strip, std::size_t k, std::size_t lanes, PackSums& sums, Record&& record) const {
+  const PackOfPairs pairs = load_pairs(strip.acting, k, lanes);
+  const PackMask valid = detail::first_lanes(lanes);
+  const ContactOf<Pack> contact = this->contact(pairs, valid);
+  TangentialMotion<Pack> motion;
+  TangentialSpring<Pack> spring;
+  // The contact point divides the distance of the centres as the radii: arms R r / (R_i + R_j) in
+  // the surface velocity and in the torque alike keep angular momentum and energy at any overlap.
+  Pack arm = 0.0;  // [radius]
+  if constexpr (Law::rotates) {
+    arm = contact.distance / contact.radius_sum;
+    const Vector3<Pack> sliding = pairs.velocity - contact.normal_velocity * contact.normal;
+    motion = {.surface_velocity = sliding - arm * cross(pairs.spin, contact.normal),
+              .normal_rate = (1.0 / contact.distance) * sliding};
+    spring = load_springs(pairs);
+  }
+  PackMask bridged(false);
+  if constexpr (Law::bridges) bridged = update_bridges(pairs, contact.overlap >= 0.0);
+
+  ContactForce<Pack> force =
+      contact_force(law_, contact, motion, pairs.grip, bridged, setting_.time_step, spring);
+  if constexpr (Law::attracts) force.normal = select(valid, force.normal, Pack(0.0));
+  const Vector3<Pack> total = force.normal * contact.normal + force.tangential;
+  Vector3<Pack> torque;
+  sums.normal_dashpot += force.normal_dashpot;
+  if (setting_.moving_images) sums.virial_yy += total.y * pairs.branch.y;
+  sums.largest_overlap = max(sums.largest_overlap, overlap_to_watch(pairs, contact));
+  if constexpr (Law::rotates) {
+    torque = -arm * cross(contact.normal, force.tangential);
+    store_springs(spring, pairs, lanes);
+    sums.tangential_dashpot += force.friction.dashpot;
+    sums.slip += force.friction.slip;
+    sums.tangential_energy += force.friction.elastic_energy;
+    if constexpr (Law::attracts) sums.spring_lost += force.spring_lost;
+    if constexpr (!decltype(law_.normal)::constant_prefactor) {
+      sums.prefactor_work += force.prefactor_work;
+    }
+  }
+  scatter(strip, k, lanes, pairs, total, torque, record);
+}
+
+template <class Law>
+template <class Record>
+[[gnu::always_inline]] inline void ForceLoop<Law>::scatter(Strip& strip,
+                                                           std::size_t k,
+                                                           std::size_t lanes,
+                                                           const PackOfPairs& pairs,
+                                                           const Vector3<Pack>& force,
+                                                           const Vector3<Pack>& torque,
+                                                           Record&& record) const {
+  const Pack column[8] = {force.x, force.y, force.z, 0.0, torque.x, torque.y, torque.z, 0.0};
+  Row8 rows[pack_width];
+  rows_of(column, rows);
+  for (std::size_t lane = 0; lane < lanes; ++lane) {
+    double* on_first = &particles_.load[pairs.first[lane]].force.x;
+    double* on_second = &particles_.load[strip.acting.load[k + lane]].force.x;
+    (Row8::load(on_first) + rows[lane]).store(on_first);
+    add_scaled(Row8::load(on_second), detail::reaction_sign(), rows[lane]).store(on_second);
+    if (setting_.moving_images && pairs.image[lane] != own_image) {
+      Row8& across = strip.image_load[pairs.image[lane]];
+      across = across + rows[lane];
+    }
+    if constexpr (!std::is_same_v<std::decay_t<Record>, NoRecord>) {
+      const auto element = [&](const Vector3<Pack>& v) {
+        return Vec3{v.x[lane], v.y[lane], v.z[lane]};
+      };
+      record(pairs.first[lane], pairs.second[lane], element(pairs.branch), element(force));
+    }
+  }
+}
+
+template <class Law>
+void ForceLoop<Law>::add_lanes(const PackSums& from, ContactSums& to) const {
+  to.normal_dashpot += sum(from.normal_dashpot);
+  to.tangential_dashpot += sum(from.tangential_dashpot);
+  to.slip += sum(from.slip);
+  to.tangential_energy += sum(from.tangential_energy);
+  to.spring_lost += sum(from.spring_lost);
+  to.prefactor_work += sum(from.prefactor_work);
+  to.virial_yy += sum(from.virial_yy);
+  const double unit = setting_.equal_sizes ? setting_.smallest_radius : 1.0;
+  to.largest_overlap = std::max(to.largest_overlap, largest(from.largest_overlap) / unit);
+}
+
+/// One strip, one step: finds the acting pairs and adds their forces, a few hundred pairs at a time
+/// so that the second look finds the grains of the first in the cache.
+template <class Law, class Record>
+void add_contact_forces(const Law& law,
+                        const ContactSetting& setting,
+                        Particles& particles,
+                        PairMemory& memory,
+                        Strip& strip,
+                        Record&& record) {
+  constexpr std::size_t tile = 256;
+  strip.sums = {};
+  if (setting.moving_images) strip.image_load.fill({});
+  strip.acting.count = 0;
+  strip.acting.reserve(strip.near.count);
+  ForceLoop<Law> loop(law, setting, particles, memory);
+  std::size_t done = 0;
+  for (std::size_t k = 0; k < strip.near.count; k += tile) {
+    const std::size_t end = std::min(k + tile, strip.near.count);
+    find_acting(law, setting, particles, memory, strip, k, end);
+    const std::size_t whole = strip.acting.count / pack_width * pack_width;
+    const std::size_t ready = end == strip.near.count ? strip.acting.count : whole;
+    loop.add(strip, done, ready, record);
+    done = ready;
+  }
 }
 
 }  // namespace grainlaw::dem

@@ -78,12 +78,15 @@ struct ContactForce {
   Vector3<S> tangential;       ///< [force]
   S normal_dashpot = S(0.0);   ///< dissipated in this step [energy]
   S prefactor_work = S(0.0);   ///< taken from tangential springs by a falling prefactor [energy]
+  S spring_lost = S(0.0);      ///< with springs of grains that no longer touch [energy]
   TangentialWork<S> friction;  ///< of this step
 };
 
 /// Between grains that do not touch there is no friction and no spring.
 template <class S>
-void release_unless(const Mask<S>& touches, TangentialSpring<S>& spring, ContactForce<S>& force) {
+[[gnu::always_inline]] inline void release_unless(const Mask<S>& touches,
+                                                  TangentialSpring<S>& spring,
+                                                  ContactForce<S>& force) {
   const auto keep = [&](S& value) { value = select(touches, value, S(0.0)); };
   keep(spring.stretch.x), keep(spring.stretch.y), keep(spring.stretch.z), keep(spring.slipping);
   keep(force.friction.dashpot), keep(force.friction.slip), keep(force.friction.elastic_energy);
@@ -94,13 +97,13 @@ void release_unless(const Mask<S>& touches, TangentialSpring<S>& spring, Contact
 /// grains that do not touch only cohesion acts, and the spring is let go. `grip` multiplies the
 /// coefficient of friction: 1, or 0 at a smooth wall.
 template <class Law, class S>
-ContactForce<S> contact_force(const Law& law,
-                              const ContactOf<S>& contact,
-                              const TangentialMotion<S>& motion,
-                              const S& grip,
-                              const Mask<S>& bridged,
-                              double time_step,
-                              TangentialSpring<S>& spring) {
+[[gnu::always_inline]] inline ContactForce<S> contact_force(const Law& law,
+                                                            const ContactOf<S>& contact,
+                                                            const TangentialMotion<S>& motion,
+                                                            const S& grip,
+                                                            const Mask<S>& bridged,
+                                                            double time_step,
+                                                            TangentialSpring<S>& spring) {
   ContactForce<S> result;
   const Mask<S> touches = contact.overlap > S(0.0);
   const S repulsion = select(touches, law.normal.force(contact), S(0.0));
@@ -114,6 +117,10 @@ ContactForce<S> contact_force(const Law& law,
     load.coulomb_reference = coulomb_reference(law.cohesion.reference, repulsion, pull);
   }
   if constexpr (Law::rotates) {
+    if constexpr (Law::attracts && decltype(law.normal)::constant_prefactor) {
+      const S left = 0.5 * law.friction.stiffness * square(spring.stretch);
+      result.spring_lost = select(touches, S(0.0), left);
+    }
     load.prefactor = law.normal.prefactor(contact);
     load.coulomb_reference *= grip;
     const Vector3<S> force =

@@ -77,13 +77,13 @@ struct StickSlip {
 
 /// Tangential force on i [force]; moves the spring on to the next half step.
 template <class Law, class S>
-Vector3<S> friction_force(const Law& law,
-                          const ContactOf<S>& contact,
-                          const TangentialMotion<S>& motion,
-                          const NormalLoad<S>& load,
-                          double time_step,
-                          TangentialSpring<S>& spring,
-                          TangentialWork<S>& work) {
+[[gnu::always_inline]] inline Vector3<S> friction_force(const Law& law,
+                                                        const ContactOf<S>& contact,
+                                                        const TangentialMotion<S>& motion,
+                                                        const NormalLoad<S>& load,
+                                                        double time_step,
+                                                        TangentialSpring<S>& spring,
+                                                        TangentialWork<S>& work) {
   const Vector3<S>& velocity = motion.surface_velocity;
   const Vector3<S> half_advance = S(0.5 * time_step) * velocity;
   // Turns the spring with the contact plane, keeping its length to third order in the step:

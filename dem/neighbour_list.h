@@ -20,33 +20,42 @@ struct Partner {
   Image image() const { return bits >> 27; }
 };
 
-/// Verlet list of all pairs closer than reach + skin, each once, at least one grain of it mobile.
-/// Row i holds the partners j > i of mobile grain i, so frozen grains are only ever partners.
+/// Verlet list of all pairs whose surfaces are closer than range + skin, each once, at least one
+/// grain of it mobile. Pairs are sorted by their first grain, which is mobile; partners are mobile
+/// ones further on, frozen ones and images. Cells are sorted with the slowest index along z.
 class NeighbourList {
  public:
-  NeighbourList(const Box& box, double reach, double skin);
+  NeighbourList(double range, double skin) : range_(range), skin_(skin) {}
 
-  /// The permutation that sorts grains by cell, mobile ones first: new place -> old place. Grains
-  /// must lie in the box.
-  std::vector<std::uint32_t> cell_order(const Particles& particles) const;
+  /// The permutation that sorts the real grains by cell, mobile ones first: new place -> old place.
+  /// Grains must lie in the box.
+  std::vector<std::uint32_t> cell_order(const Particles& particles, const Box& box) const;
 
-  /// Builds the list for grains in the order of cell_order().
-  void build(const Particles& particles);
+  /// Builds the list for grains in the order of cell_order() with the images behind them. The last
+  /// points are feet: `foot_of` names their mobile grains, in ascending order.
+  void build(const Particles& particles,
+             const Box& box,
+             std::span<const std::uint32_t> foot_of = {});
 
   double skin() const { return skin_; }
-  std::size_t pairs() const { return partners_.size(); }
-  std::span<const Partner> partners() const { return partners_; }
+  double reach(double radius_sum) const { return radius_sum + range_ + skin_; }  ///< [length]
+  std::size_t pairs() const { return row_begin_.back(); }
+  /// First grain and partner of every pair; pack_width words behind the last may be read.
+  const std::uint32_t* first() const { return first_.data(); }
+  const Partner* partners() const { return partners_.data(); }
   /// Pairs of row i: [row_begin(i), row_begin(i + 1)).
   std::uint32_t row_begin(std::size_t i) const { return row_begin_[i]; }
 
- private:
-  struct Grid;
-  Grid grid(const Particles& particles) const;
+  /// Goes on with a list made elsewhere.
+  void restore(std::vector<std::uint32_t> row_begin, std::vector<Partner> partners);
 
-  Box box_;
-  double cutoff_;
+ private:
+  void close();
+
+  double range_;
   double skin_;
   std::vector<std::uint32_t> row_begin_{0};
+  std::vector<std::uint32_t> first_;
   std::vector<Partner> partners_;
 };
 

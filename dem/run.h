@@ -4,6 +4,7 @@
 
 #include "dem/checkpoint.h"
 #include "dem/local_data.h"
+#include "dem/run_error.h"
 #include "dem/scene.h"
 
 namespace grainlaw::dem {
@@ -30,11 +31,6 @@ struct RunOptions {
   std::function<void(const Checkpoint&)> save;
   double checkpoint_interval = 60.0;   ///< [s]
   const Checkpoint* resume = nullptr;  ///< go on from here instead of from the start
-};
-
-/// A run that cannot go on: NaN, lost grain, overlap above max_overlap. Names grain, contact, step.
-struct RunError : std::runtime_error {
-  using std::runtime_error::runtime_error;
 };
 
 /// A checkpoint that belongs to another scene, or is not complete.

@@ -37,7 +37,7 @@ using Mask = typename detail::MaskOf<S>::type;
 inline double select(bool condition, double yes, double no) {
   return condition ? yes : no;
 }
-inline Pack select(const PackMask& condition, const Pack& yes, Pack no) {
+[[gnu::always_inline]] inline Pack select(const PackMask& condition, const Pack& yes, Pack no) {
   std::experimental::where(condition, no) = yes;
   return no;
 }
@@ -72,7 +72,7 @@ inline bool any(const PackMask& m) {
 inline double inverse_sqrt(double a) {
   return 1.0 / std::sqrt(a);
 }
-inline Pack inverse_sqrt(const Pack& a) {
+[[gnu::always_inline]] inline Pack inverse_sqrt(const Pack& a) {
 #if defined(__AVX512F__)
   // An estimate of 14 bits and one correction of fourth order: with e = 1 - a y^2,
   // 1/sqrt(a) = y (1 + e/2 + 3/8 e^2 + 5/16 e^3 + ...).
@@ -120,19 +120,19 @@ struct Row8 {
     }
   }
 };
-inline Row8 operator+(Row8 a, const Row8& b) {
+[[gnu::always_inline]] inline Row8 operator+(Row8 a, const Row8& b) {
   for (std::size_t k = 0; k < Row8::parts; ++k) a.part[k] += b.part[k];
   return a;
 }
 /// a + s b, element by element.
-inline Row8 add_scaled(Row8 a, const Row8& s, const Row8& b) {
+[[gnu::always_inline]] inline Row8 add_scaled(Row8 a, const Row8& s, const Row8& b) {
   for (std::size_t k = 0; k < Row8::parts; ++k) a.part[k] += s.part[k] * b.part[k];
   return a;
 }
 
 /// Columns of pack_width rows: column c holds element c of every row; and back.
 #if defined(__AVX512F__)
-inline void transpose(const __m512d (&in)[8], __m512d (&out)[8]) {
+[[gnu::always_inline]] inline void transpose(const __m512d (&in)[8], __m512d (&out)[8]) {
   __m512d t[8];
   for (int k = 0; k < 4; ++k) {
     t[2 * k] = _mm512_unpacklo_pd(in[2 * k], in[2 * k + 1]);
@@ -149,20 +149,20 @@ inline void transpose(const __m512d (&in)[8], __m512d (&out)[8]) {
     out[6 + odd] = _mm512_shuffle_f64x2(b, d, 0xdd);
   }
 }
-inline void columns_of(const Row8 (&rows)[pack_width], Pack (&columns)[8]) {
+[[gnu::always_inline]] inline void columns_of(const Row8 (&rows)[pack_width], Pack (&columns)[8]) {
   __m512d in[8], out[8];
   for (int k = 0; k < 8; ++k) in[k] = static_cast<__m512d>(rows[k].part[0]);
   transpose(in, out);
   for (int k = 0; k < 8; ++k) columns[k] = Pack(out[k]);
 }
-inline void rows_of(const Pack (&columns)[8], Row8 (&rows)[pack_width]) {
+[[gnu::always_inline]] inline void rows_of(const Pack (&columns)[8], Row8 (&rows)[pack_width]) {
   __m512d in[8], out[8];
   for (int k = 0; k < 8; ++k) in[k] = static_cast<__m512d>(columns[k]);
   transpose(in, out);
   for (int k = 0; k < 8; ++k) rows[k].part[0] = Pack(out[k]);
 }
 /// The 4 x 4 transposes of both halves.
-inline void transpose(const __m512d (&in)[4], __m512d (&out)[4]) {
+[[gnu::always_inline]] inline void transpose(const __m512d (&in)[4], __m512d (&out)[4]) {
   const __m512i low = _mm512_setr_epi64(0, 1, 8, 9, 4, 5, 12, 13);
   const __m512i high = _mm512_setr_epi64(2, 3, 10, 11, 6, 7, 14, 15);
   for (int odd = 0; odd < 2; ++odd) {
@@ -172,7 +172,7 @@ inline void transpose(const __m512d (&in)[4], __m512d (&out)[4]) {
     out[2 + odd] = _mm512_permutex2var_pd(a, high, b);
   }
 }
-inline void columns_of(const Row4 (&rows)[pack_width], Pack (&columns)[4]) {
+[[gnu::always_inline]] inline void columns_of(const Row4 (&rows)[pack_width], Pack (&columns)[4]) {
   __m512d in[4], out[4];
   for (int k = 0; k < 4; ++k) {
     in[k] = _mm512_insertf64x4(_mm512_castpd256_pd512(static_cast<__m256d>(rows[k])),
@@ -182,7 +182,7 @@ inline void columns_of(const Row4 (&rows)[pack_width], Pack (&columns)[4]) {
   transpose(in, out);
   for (int k = 0; k < 4; ++k) columns[k] = Pack(out[k]);
 }
-inline void rows_of(const Pack (&columns)[4], Row4 (&rows)[pack_width]) {
+[[gnu::always_inline]] inline void rows_of(const Pack (&columns)[4], Row4 (&rows)[pack_width]) {
   __m512d in[4], out[4];
   for (int k = 0; k < 4; ++k) in[k] = static_cast<__m512d>(columns[k]);
   transpose(in, out);
@@ -198,24 +198,24 @@ void columns_by_element(const double (&table)[pack_width][width], Pack (&columns
     columns[c] = Pack([&](auto lane) { return table[lane][c]; });
   }
 }
-inline void columns_of(const Row8 (&rows)[pack_width], Pack (&columns)[8]) {
+[[gnu::always_inline]] inline void columns_of(const Row8 (&rows)[pack_width], Pack (&columns)[8]) {
   alignas(64) double table[pack_width][8];
   for (std::size_t k = 0; k < pack_width; ++k) rows[k].store(table[k]);
   columns_by_element<8, Row8>(table, columns);
 }
-inline void columns_of(const Row4 (&rows)[pack_width], Pack (&columns)[4]) {
+[[gnu::always_inline]] inline void columns_of(const Row4 (&rows)[pack_width], Pack (&columns)[4]) {
   alignas(64) double table[pack_width][4];
   for (std::size_t k = 0; k < pack_width; ++k) store(rows[k], table[k]);
   columns_by_element<4, Row4>(table, columns);
 }
-inline void rows_of(const Pack (&columns)[8], Row8 (&rows)[pack_width]) {
+[[gnu::always_inline]] inline void rows_of(const Pack (&columns)[8], Row8 (&rows)[pack_width]) {
   alignas(64) double table[pack_width][8];
   for (std::size_t k = 0; k < pack_width; ++k) {
     for (std::size_t c = 0; c < 8; ++c) table[k][c] = columns[c][k];
     rows[k] = Row8::load(table[k]);
   }
 }
-inline void rows_of(const Pack (&columns)[4], Row4 (&rows)[pack_width]) {
+[[gnu::always_inline]] inline void rows_of(const Pack (&columns)[4], Row4 (&rows)[pack_width]) {
   alignas(64) double table[pack_width][4];
   for (std::size_t k = 0; k < pack_width; ++k) {
     for (std::size_t c = 0; c < 4; ++c) table[k][c] = columns[c][k];
@@ -226,7 +226,9 @@ inline void rows_of(const Pack (&columns)[4], Row4 (&rows)[pack_width]) {
 
 /// Writes the chosen ones of pack_width words, in order, and returns their number; up to
 /// pack_width words may be written.
-inline std::size_t compress(const std::uint32_t* from, std::uint32_t chosen, std::uint32_t* to) {
+[[gnu::always_inline]] inline std::size_t compress(const std::uint32_t* from,
+                                                   std::uint32_t chosen,
+                                                   std::uint32_t* to) {
 #if defined(__AVX512VL__)
   const __m256i words = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(from));
   _mm256_storeu_si256(reinterpret_cast<__m256i*>(to),
