@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cmath>
+#include <numbers>
+
 #include "dem/simulation.h"
 
 namespace grainlaw::dem {
@@ -11,27 +14,31 @@ struct CollidingGrains {
 };
 
 /// Restitution of a head-on collision as the integrator delivers it at this step, averaged over
-/// the phase of the step at which the contact begins (evenly spread). The closing speed moves the
-/// grains by about 1e-3 d in the contact; a linear law does not care.
+/// the phase of the step at which the contact begins (evenly spread). A linear law does not care
+/// for the closing speed [length/time]. Of a law without cohesion.
 template <class Law>
-double mean_restitution(const Law& law, const CollidingGrains& grains, double time_step) {
+double mean_restitution(const Law& law,
+                        const CollidingGrains& grains,
+                        double speed,
+                        double time_step) {
+  static_assert(!Law::attracts);
   constexpr int phases = 64;
-  const double contact_time = law.normal.contact_time(0.5 * grains.mass);
-  const double speed = 1e-3 * grains.diameter / contact_time;
   SimulationSetup setup;
-  setup.diameter = grains.diameter;
-  setup.dynamics.mass = grains.mass;
+  setup.density = 6.0 * grains.mass / (std::numbers::pi * std::pow(grains.diameter, 3));
   setup.dynamics.time_step = time_step;
   double sum = 0.0;
   for (int k = 0; k < phases; ++k) {
     const double gap = (k + 0.5) / phases * speed * time_step;
     InitialState approaching;
-    approaching.position = {{}, {grains.diameter + gap, 0.0, 0.0}};
-    approaching.velocity = {{0.5 * speed, 0.0, 0.0}, {-0.5 * speed, 0.0, 0.0}};
+    approaching.grains = {
+        {.position = {}, .velocity = {0.5 * speed, 0.0, 0.0}, .diameter = grains.diameter},
+        {.position = {grains.diameter + gap, 0.0, 0.0},
+         .velocity = {-0.5 * speed, 0.0, 0.0},
+         .diameter = grains.diameter}};
     Simulation<Law> pair(law, setup, approaching);
     do {
       pair.step();
-    } while (pair.touching_pairs() > 0 || pair.time() < time_step * 1.5);
+    } while (pair.acting_pairs() > 0 || pair.time() < time_step * 1.5);
     sum += length(pair.velocity(0) - pair.velocity(1)) / speed;
   }
   return sum / phases;

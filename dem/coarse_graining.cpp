@@ -14,72 +14,106 @@ void add_dyad(std::array<double, 6>& sum, const Vec3& a, const Vec3& b, double f
   sum[5] += factor * a.y * b.z;
 }
 
-}  // namespace
-
-FrameSampler::FrameSampler(const Bins& bins) : bins_(bins) {
-  frame_.bins.resize(bins.count);
+/// The vector in the axes of the profile at a place.
+Vec3 seen(const Bins& bins, const Vec3& place, const Vec3& v) {
+  if (bins.axis != ProfileAxis::radius) return v;
+  const double r = std::hypot(place.x, place.y);
+  const Vec3 radial{place.x / r, place.y / r, 0.0};
+  const Vec3 azimuthal{-radial.y, radial.x, 0.0};
+  return {dot(v, azimuthal), v.z, dot(v, radial)};
 }
 
-void FrameSampler::sample(const Particles& particles,
+}  // namespace
+
+double Bins::coordinate(const Vec3& position) const {
+  if (axis == ProfileAxis::z) return position.z;
+  return axis == ProfileAxis::y ? position.y : std::hypot(position.x, position.y);
+}
+
+FrameSampler::FrameSampler(std::size_t bins) {
+  frame_.bins.resize(bins);
+}
+
+void FrameSampler::sample(const Bins& bins,
+                          const Particles& particles,
                           const Dynamics& dynamics,
                           const std::vector<ContactSample>& contacts) {
-  double height = 0.0;
+  const double extent = bins.width * static_cast<double>(bins.count);
+  const double middle = bins.begin + 0.5 * extent;
+  double place = 0.0;
   double energy = 0.0;
   for (std::size_t i = 0; i < particles.mobile; ++i) {
-    const Vec3 position = particles.state[i].position;
-    const Vec3 v = velocity(particles, i, dynamics);
-    add_grain(position, v, dynamics.mass);
-    height += position.z;
-    energy += 0.5 * dynamics.mass * square(v);
-    if (!particles.half_spin.empty()) {
-      energy += 0.5 * spin_inertia * dynamics.mass * square(spin(particles, i, dynamics));
+    const GrainState& grain = particles.state[i];
+    const double mass = 1.0 / grain.inverse_mass;
+    Vec3 v = velocity(particles, i, dynamics);
+    v.x -= bins.shear_rate * (grain.position.y - middle);
+    add_grain(bins, grain.position, seen(bins, grain.position, v), mass);
+    place += grain.position.z;
+    energy += 0.5 * mass * square(v);
+    if (particles.rotates()) {
+      energy += 0.5 * spin_inertia * mass * square(spin(particles, i, dynamics));
     }
   }
-  const auto grains = static_cast<double>(particles.mobile);
-  frame_.centre_of_mass += height / grains;
+  const auto grains = static_cast<double>(std::max<std::size_t>(1, particles.mobile));
+  frame_.centre_of_mass += bins.periodic ? middle : place / grains;
   frame_.kinetic_energy += energy / grains;
-  for (const ContactSample& contact : contacts) add_contact(particles, contact);
+  for (const ContactSample& contact : contacts) add_contact(bins, particles, contact);
   ++frame_.samples;
 }
 
-void FrameSampler::add_grain(const Vec3& position, const Vec3& v, double mass) {
-  share_stretch(bins_, position.z, position.z, [&](std::size_t k, double) {
+void FrameSampler::add_grain(const Bins& bins, const Vec3& position, const Vec3& v, double mass) {
+  const double at = bins.coordinate(position);
+  share_stretch(bins, at, at, [&](std::size_t k, double) {
     BinMoments& bin = frame_.bins[k];
-    const double offset = position.z - bins_.centre(k);
-    bin.mass += mass;
-    bin.momentum[0] += mass * v.x;
-    bin.momentum[1] += mass * v.y;
-    bin.momentum[2] += mass * v.z;
-    add_dyad(bin.momentum_flux, v, v, mass);
-    bin.mass_offset += mass * offset;
-    bin.mass_offset_squared += mass * offset * offset;
-    bin.momentum_offset += mass * offset * v.x;
+    const double extent = bins.width * static_cast<double>(bins.count);
+    double offset = at - bins.centre(k);
+    if (bins.periodic) offset -= extent * std::round(offset / extent);
+    const double density = mass / bins.volume(k);
+    bin.mass += density;
+    bin.momentum[0] += density * v.x;
+    bin.momentum[1] += density * v.y;
+    bin.momentum[2] += density * v.z;
+    add_dyad(bin.momentum_flux, v, v, density);
+    bin.mass_offset += density * offset;
+    bin.mass_offset_squared += density * offset * offset;
+    bin.momentum_offset += density * offset * v.x;
   });
 }
 
-void FrameSampler::add_contact(const Particles& particles, const ContactSample& contact) {
-  const bool frozen = contact.second >= particles.mobile;
-  const Vec3 branch = frozen ? 0.5 * contact.branch : contact.branch;
-  const double z1 = particles.state[contact.first].position.z;
-  const double z2 = z1 - branch.z;
-  share_stretch(bins_, z1, z2, [&](std::size_t k, double share) {
-    add_dyad(frame_.bins[k].contact_stress, contact.force, branch, share);
+void FrameSampler::add_contact(const Bins& bins,
+                               const Particles& particles,
+                               const ContactSample& contact) {
+  const bool frozen = particles.state[contact.second].inverse_mass == 0.0;
+  const GrainState& first = particles.state[contact.first];
+  const double radius_sum = first.radius + particles.state[contact.second].radius;
+  const Vec3 branch =
+      frozen ? (first.radius / radius_sum) * contact.branch : contact.branch;
+  const Vec3 end = first.position - branch;
+  const double s1 = bins.coordinate(first.position);
+  const double s2 = bins.coordinate(end);
+  const Vec3 middle = first.position - 0.5 * branch;
+  const Vec3 force = seen(bins, middle, contact.force);
+  const Vec3 arm = seen(bins, middle, branch);
+  share_stretch(bins, s1, s2, [&](std::size_t k, double share) {
+    add_dyad(frame_.bins[k].contact_stress, force, arm, share / bins.volume(k));
   });
-  const auto count = [&](std::size_t k, double) { frame_.bins[k].contacts += 1.0; };
-  share_stretch(bins_, z1, z1, count);
-  if (!frozen) share_stretch(bins_, z2, z2, count);
+  if (square(contact.branch) >= radius_sum * radius_sum) return;  // a pull across a gap
+  const auto count = [&](std::size_t k, double) {
+    frame_.bins[k].contacts += 1.0 / bins.volume(k);
+  };
+  share_stretch(bins, s1, s1, count);
+  if (!frozen) share_stretch(bins, s2, s2, count);
 }
 
 ProfileFrame FrameSampler::finish() {
   const double per_sample = 1.0 / std::max(1, frame_.samples);
+  const std::size_t count = frame_.bins.size();
   ProfileFrame frame{.samples = frame_.samples,
                      .centre_of_mass = frame_.centre_of_mass * per_sample,
                      .kinetic_energy = frame_.kinetic_energy * per_sample,
-                     .bins = std::vector<BinMoments>(bins_.count)};
-  for (std::size_t k = 0; k < bins_.count; ++k) {
-    add_scaled(frame.bins[k], frame_.bins[k], per_sample / bins_.volume());
-  }
-  frame_ = {.bins = std::vector<BinMoments>(bins_.count)};
+                     .bins = std::vector<BinMoments>(count)};
+  for (std::size_t k = 0; k < count; ++k) add_scaled(frame.bins[k], frame_.bins[k], per_sample);
+  frame_ = {.bins = std::vector<BinMoments>(count)};
   return frame;
 }
 

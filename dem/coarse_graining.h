@@ -19,27 +19,44 @@ struct ContactSample {
   Vec3 force;   ///< on the first [force]
 };
 
-/// Bins of z over one base area.
-struct Bins {
-  double z_begin = 0.0;  ///< [length]
-  double width = 1.0;    ///< [length]
-  double area = 1.0;     ///< [length^2]
-  std::size_t count = 0;
+/// Along what profiles are taken, and the axes in which vectors are then seen.
+enum class ProfileAxis {
+  z,       ///< flow along x, gradient along z: chute, plane shear
+  y,       ///< flow along x, gradient along y: periodic boxes
+  radius,  ///< flow along the azimuth, gradient along the radius: ring cell; vectors have the
+           ///< components azimuthal, axial, radial
+};
 
-  double centre(std::size_t k) const { return z_begin + (static_cast<double>(k) + 0.5) * width; }
-  double volume() const { return area * width; }
+/// Bins along the axis.
+struct Bins {
+  ProfileAxis axis = ProfileAxis::z;
+  bool periodic = false;  ///< the last bin borders on the first
+  double begin = 0.0;     ///< [length]
+  double width = 1.0;     ///< [length]
+  double area = 1.0;      ///< of a bin across the axis; ring cell: per radius [length^2]
+  std::size_t count = 0;
+  double shear_rate = 0.0;  ///< velocities are taken relative to v_x = shear_rate (y - middle)
+                            ///< [1/time]
+
+  double centre(std::size_t k) const { return begin + (static_cast<double>(k) + 0.5) * width; }
+  double volume(std::size_t k) const {
+    return area * width * (axis == ProfileAxis::radius ? centre(k) : 1.0);
+  }
+  double coordinate(const Vec3& position) const;
 };
 
 /// Adds samples of all fields up to the average over one frame. Grains are point masses at their
 /// centres; a contact acts along its branch, each bin getting the share of the branch it holds
-/// (Goldhirsch 2010; Weinhart et al. 2012, with a box in z as the kernel). The branch of a contact
-/// with a frozen grain ends at the contact point: above all such points sigma_zz is the weight
-/// above, exactly, in the mean.
+/// (Goldhirsch 2010; Weinhart et al. 2012, with a box along the axis as the kernel). The branch of a
+/// contact with a frozen grain ends at the contact point: above all such points sigma_zz is the
+/// weight above, exactly, in the mean.
 class FrameSampler {
  public:
-  explicit FrameSampler(const Bins& bins);
+  explicit FrameSampler(std::size_t bins);
 
-  void sample(const Particles& particles,
+  /// `bins` as they are now: those of a driven box move with it.
+  void sample(const Bins& bins,
+              const Particles& particles,
               const Dynamics& dynamics,
               const std::vector<ContactSample>& contacts);
 
@@ -47,28 +64,27 @@ class FrameSampler {
   ProfileFrame finish();
 
  private:
-  void add_grain(const Vec3& position, const Vec3& velocity, double mass);
-  void add_contact(const Particles& particles, const ContactSample& contact);
+  void add_grain(const Bins& bins, const Vec3& position, const Vec3& velocity, double mass);
+  void add_contact(const Bins& bins, const Particles& particles, const ContactSample& contact);
 
-  Bins bins_;
   ProfileFrame frame_;
 };
 
-/// Shares of the stretch from z1 to z2 in every bin it meets, add(bin, share): they sum to 1, less
+/// Shares of the stretch from s1 to s2 in every bin it meets, add(bin, share): they sum to 1, less
 /// what lies outside all bins.
 template <class Add>
-void share_stretch(const Bins& bins, double z1, double z2, Add&& add) {
-  const double low = (std::min(z1, z2) - bins.z_begin) / bins.width;
-  const double high = (std::max(z1, z2) - bins.z_begin) / bins.width;
-  const double last = static_cast<double>(bins.count) - 1.0;
-  if (high < 0.0 || low >= last + 1.0) return;
-  const auto first_bin = static_cast<std::size_t>(std::max(0.0, std::floor(low)));
-  const auto last_bin = static_cast<std::size_t>(std::min(last, std::floor(high)));
-  if (high == low) return add(first_bin, 1.0);
-  for (std::size_t k = first_bin; k <= last_bin; ++k) {
+void share_stretch(const Bins& bins, double s1, double s2, Add&& add) {
+  const double low = (std::min(s1, s2) - bins.begin) / bins.width;
+  const double high = (std::max(s1, s2) - bins.begin) / bins.width;
+  const auto count = static_cast<long>(bins.count);
+  const auto first = static_cast<long>(std::floor(low));
+  const auto last = static_cast<long>(std::floor(high));
+  for (long k = first; k <= last; ++k) {
+    const long bin = bins.periodic ? (k % count + count) % count : k;
+    if (bin < 0 || bin >= count) continue;
     const double begin = std::max(low, static_cast<double>(k));
     const double end = std::min(high, static_cast<double>(k) + 1.0);
-    add(k, (end - begin) / (high - low));
+    add(static_cast<std::size_t>(bin), high == low ? 1.0 : (end - begin) / (high - low));
   }
 }
 

@@ -93,17 +93,29 @@ double kinetic_stress(const BinMoments& bin, std::size_t component, std::size_t 
   return bin.momentum_flux[component] - bin.momentum[a] * bin.momentum[b] / bin.mass;
 }
 
+/// Components of stress in the order xx yy zz xy xz yz, and of the gradient.
+struct Components {
+  std::size_t normal, shear, gradient;
+};
+Components components(const ChuteConditions& conditions) {
+  const bool box = conditions.geometry == "simple_shear" || conditions.geometry == "body_force_box";
+  return box ? Components{1, 3, 1} : Components{2, 4, 2};
+}
+
 Fields fields_of(const Moments& moments,
                  std::size_t k,
                  double bin_width,
                  const ChuteConditions& c) {
   const BinMoments& bin = moments[k];
+  const Components at = components(c);
   Fields f{};
   f[velocity] = velocity_at_centre(moments, k, bin_width);
-  f[shear_rate] = slope(moments, k, bin_width);
+  f[shear_rate] = c.shear_rate != 0.0 ? c.shear_rate : slope(moments, k, bin_width);
   f[volume_fraction] = bin.mass / c.grain_density;
-  f[shear_stress] = -(bin.contact_stress[4] + kinetic_stress(bin, 4, 0, 2));
-  f[normal_stress] = bin.contact_stress[2] + kinetic_stress(bin, 2, 2, 2);
+  f[shear_stress] =
+      -(bin.contact_stress[at.shear] + kinetic_stress(bin, at.shear, 0, at.gradient));
+  f[normal_stress] =
+      bin.contact_stress[at.normal] + kinetic_stress(bin, at.normal, at.gradient, at.gradient);
   f[temperature] = (variance_about_line(bin) + kinetic_stress(bin, 1, 1, 1) / bin.mass +
                     kinetic_stress(bin, 2, 2, 2) / bin.mass) /
                    3.0;

@@ -12,6 +12,7 @@ namespace grainlaw::dem {
 /// What is known of a chute before it runs: all a fit or a prediction may use beside the data.
 /// In the units of the run.
 struct ChuteConditions {
+  std::string geometry = "chute";  ///< fits and predictions so far take chutes
   double inclination = 0.0;       ///< theta [rad]
   double gravity = 1.0;           ///< g [length/time^2]
   double grain_diameter = 1.0;    ///< d [length]
@@ -19,12 +20,14 @@ struct ChuteConditions {
   double stiffness = 0.0;         ///< normal contact stiffness k_n [mass/time^2]
   double contact_friction = 0.0;  ///< mu_p
   double mass_per_area = 0.0;     ///< of the flowing grains [mass/length^2]
+  double shear_rate = 0.0;        ///< imposed on the whole box [1/time]; 0: none
   std::string base;               ///< recipe of the base in words, equal for equal bases
 };
 
 /// Averages in one bin of z over the steady window, with standard errors by block averaging.
 struct LocalRow {
-  double z = 0.0;            ///< centre of the bin [length], z = 0: highest base centre + d/2
+  double z = 0.0;            ///< centre of the bin [length], z = 0: highest base centre + d/2;
+                             ///< boxes: y, ring cell: the radius
   double mass_above = 0.0;   ///< per unit area, above the centre of the bin [mass/length^2]
   Estimate velocity;         ///< v_x [length/time]
   Estimate shear_rate;       ///< d v_x / d z [1/time]
@@ -60,6 +63,7 @@ struct RunSummary {
   double largest_overlap = 0.0;       ///< [radius]
   double deep_overlap_share = 0.0;    ///< share of sampled contacts with overlap above 0.1 radius
   double energy_residual = 0.0;       ///< ledger residual over total dissipated energy
+  double stepping_seconds = 0.0;      ///< of the wall time, in time steps of the flow
   double coordination = 0.0;          ///< Z, every contact counted for both grains, steady window
 };
 

@@ -19,6 +19,8 @@ struct SteadyCriteria {
   double rest_velocity = 1e-3;    ///< slower than this for rest_time: arrested [length/time]
   double rest_time = 20.0;        ///< [time]
   double runaway_velocity = 1e9;  ///< faster than any dense flow, still speeding up: accelerating
+  double start_up = 0.0;          ///< the window begins no earlier [time]
+  bool mean_flow = true;          ///< the start is also judged by the rise of the mean velocity
 };
 
 /// Where a run stands after some frames.

@@ -1,0 +1,31 @@
+#pragma once
+
+#include "dem/coarse_graining.h"
+#include "dem/scene.h"
+#include "dem/simulation.h"
+#include "dem/steady_state.h"
+
+namespace grainlaw::dem {
+
+/// Gravity in the frame of a base tilted by `inclination`: x down the slope, z away from the base.
+Vec3 gravity(double strength, double inclination);
+
+/// The engine's set-up for the flow of a scene.
+SimulationSetup flow_setup(const Scene& scene, const InitialState& initial);
+
+/// The same before the flow, in which a packing comes to rest: a chute not tilted, walls and rings
+/// not moving. Absent where there is nothing to settle.
+std::optional<SimulationSetup> settling_setup(const Scene& scene, const InitialState& initial);
+
+/// How profiles are taken, for the box as it is now.
+Bins profile_bins(const Scene& scene, const Box& box);
+
+/// When a chute counts as arrested or as running away. A dense layer of depth h that obeys
+/// Bagnold's profile has the mean velocity 2/5 I sqrt(phi g cos(theta)) h^1.5 / d; beyond I = 1
+/// no dense flow is steady. Flows that are driven do neither.
+SteadyCriteria steady_criteria(const Scene& scene);
+
+/// What a run counts its settling and progress by: sqrt(d/g), or 1/shear rate [time].
+double unit_time(const Scene& scene);
+
+}  // namespace grainlaw::dem
