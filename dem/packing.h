@@ -3,29 +3,36 @@
 #include <cstdint>
 #include <vector>
 
-#include "dem/box.h"
+#include "dem/initial_state.h"
+#include "dem/random_packing.h"
 #include "dem/scene.h"
 
 namespace grainlaw::dem {
 
-/// Random positions of equal spheres in a box periodic in all directions, moved apart until no
-/// overlap exceeds overlap_bound [diameter]. Counter-based random numbers (Philox): equal seeds
-/// give equal packings. Throws SceneError when they do not come apart (packing too dense).
-std::vector<Vec3> random_packing(const Box& box,
-                                 std::size_t grains,
-                                 double diameter,
-                                 std::uint64_t seed,
-                                 double overlap_bound = 1e-3);
+/// Largest overlap of a packing, of the mean diameter of a pair.
+inline constexpr double packing_overlap = 1e-3;
 
-/// Where the grains of a chute start, before settling. z = 0: highest base centre + d/2.
-struct ChuteGrains {
-  Box box;                   ///< periodic in x and y
-  std::vector<Vec3> base;    ///< glued
-  std::vector<Vec3> column;  ///< flowing
-};
+/// Diameters of `count` grains: the middle of every `count`-th part of the size distribution, in
+/// random order. Their mean is that of the grains exactly, their mean cube up to a relative error
+/// below 1/count^2 [length].
+std::vector<double> diameters(const Grains& grains, std::size_t count, std::uint64_t seed);
 
-/// Cuts base and column from one random packing: the base is the layer of centres of the wanted
-/// thickness, the column the scene's number of grains next above it.
-ChuteGrains pack_chute(const Scene& scene);
+/// Where the grains of a scene start: the given start, or a random packing made for the geometry in
+/// which no overlap that involves a mobile grain exceeds packing_overlap, mobile grains first.
+/// Equal scenes give equal states. Throws SceneError when a packing is too dense to come apart.
+///
+/// Chute: base below z = 0; the grains above it at nominal_packing with an open top, all at rest.
+///   Sidewalls, if any, at y = 0 and y = width.
+/// SimpleShear: v_x = shear_rate (y - L_y/2), so that the momentum is near 0.
+/// PlaneShear: lower wall as the base of a chute; the lowest centre of the upper wall is at
+///   z = gap + d/2, gap = N V / (phi A); v_x = velocity z / gap between the walls.
+/// BodyForceBox: periods length, N V / (phi A) and width in x, y, z; at rest.
+/// SplitBottom: sector 0 <= angle < wedge about z, surfaces of grains between the cylinders (glued
+///   ones too); base and column as in a chute, packed with their rotational images.
+///
+/// A given start is taken as it is, in its order, positions wrapped into the periods. Its frozen
+/// grains are the base; those of a PlaneShear above the middle of all grains, and those of a
+/// SplitBottom outside the split radius, are the mover.
+InitialState initial_state(const Scene& scene);
 
 }  // namespace grainlaw::dem
