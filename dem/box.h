@@ -14,7 +14,7 @@ inline constexpr Image own_image = 13;
 
 /// Where an image lies and how it moves relative to the original, as a cache line like GrainState.
 struct alignas(64) ImageShift {
-  Vec3 position;  ///< [length]
+  Vec3 position{};  ///< [length]
   double unused_after_position = 0.0;
   Vec3 velocity;  ///< [length/time]
   double unused_after_velocity = 0.0;
@@ -24,9 +24,9 @@ struct alignas(64) ImageShift {
 /// axis covers [0, period). Under Lees-Edwards shear the image above in y is displaced and moves
 /// along x; when the height changes it moves along y too.
 struct Box {
-  Vec3 period;
+  Vec3 period{};
   double offset = 0.0;  ///< of the image above, along x [length]
-  Vec3 top_velocity;    ///< of the image above [length/time]
+  Vec3 top_velocity{};  ///< of the image above [length/time]
   double wedge = 0.0;   ///< angle of a section about z that repeats by rotation; 0: none [rad]
 
   /// The nearest image of a point at -difference, as seen from the origin.

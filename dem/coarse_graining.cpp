@@ -86,8 +86,7 @@ void FrameSampler::add_contact(const Bins& bins,
   const bool frozen = particles.state[contact.second].inverse_mass == 0.0;
   const GrainState& first = particles.state[contact.first];
   const double radius_sum = first.radius + particles.state[contact.second].radius;
-  const Vec3 branch =
-      frozen ? (first.radius / radius_sum) * contact.branch : contact.branch;
+  const Vec3 branch = frozen ? (first.radius / radius_sum) * contact.branch : contact.branch;
   const Vec3 end = first.position - branch;
   const double s1 = bins.coordinate(first.position);
   const double s2 = bins.coordinate(end);

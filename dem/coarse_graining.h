@@ -47,8 +47,8 @@ struct Bins {
 
 /// Adds samples of all fields up to the average over one frame. Grains are point masses at their
 /// centres; a contact acts along its branch, each bin getting the share of the branch it holds
-/// (Goldhirsch 2010; Weinhart et al. 2012, with a box along the axis as the kernel). The branch of a
-/// contact with a frozen grain ends at the contact point: above all such points sigma_zz is the
+/// (Goldhirsch 2010; Weinhart et al. 2012, with a box along the axis as the kernel). The branch of
+/// a contact with a frozen grain ends at the contact point: above all such points sigma_zz is the
 /// weight above, exactly, in the mean.
 class FrameSampler {
  public:
@@ -60,6 +60,7 @@ class FrameSampler {
               const Dynamics& dynamics,
               const std::vector<ContactSample>& contacts);
 
+  std::size_t bins() const { return frame_.bins.size(); }
   /// The average since the last call; begin and end are the caller's.
   ProfileFrame finish();
 

@@ -18,7 +18,7 @@ struct Still {};
 /// below move along x with it.
 struct BoxDrive {
   double shear_rate = 0.0;           ///< [1/time]
-  std::optional<double> pressure;    ///< [stress]; absent: fixed height
+  std::optional<double> pressure{};  ///< [stress]; absent: fixed height
   double gain = 0.0;                 ///< [1/(stress time^2)]
   double damping = 0.0;              ///< [1/time]
   double height_rate = 0.0;          ///< dL/dt at the last half step [length/time]
@@ -28,12 +28,12 @@ struct BoxDrive {
 /// Glued grains of Body::mover that move together: along x at a given velocity, and along z, where
 /// a load is given, like a plate of that mass under load, contact forces and damping.
 struct WallDrive {
-  double velocity = 0.0;       ///< along x [length/time]
-  std::optional<double> load;  ///< downwards, on the whole wall [force]; absent: fixed gap
-  double mass = 1.0;           ///< [mass]
-  double damping = 0.0;        ///< of the vertical motion [mass/time]
-  double rise = 0.0;           ///< dz/dt at the last half step [length/time]
-  double acceleration = 0.0;   ///< d2z/dt2 at the last step
+  double velocity = 0.0;         ///< along x [length/time]
+  std::optional<double> load{};  ///< downwards, on the whole wall [force]; absent: fixed gap
+  double mass = 1.0;             ///< [mass]
+  double damping = 0.0;          ///< of the vertical motion [mass/time]
+  double rise = 0.0;             ///< dz/dt at the last half step [length/time]
+  double acceleration = 0.0;     ///< d2z/dt2 at the last step
 };
 
 /// Glued grains of Body::mover that turn about z.

@@ -16,17 +16,17 @@ enum class Body : unsigned char {
 
 /// A grain as it is handed to a simulation.
 struct InitialGrain {
-  Vec3 position;          ///< [length]
-  Vec3 velocity;          ///< [length/time]
-  Vec3 rotation;          ///< omega [1/time]
+  Vec3 position{};        ///< [length]
+  Vec3 velocity{};        ///< [length/time]
+  Vec3 rotation{};        ///< omega [1/time]
   double diameter = 1.0;  ///< [length]
   Body body = Body::none;
 };
 
 /// Where the grains of a run start.
 struct InitialState {
-  Box box;
-  std::vector<InitialGrain> grains;
+  Box box{};
+  std::vector<InitialGrain> grains{};
 };
 
 }  // namespace grainlaw::dem

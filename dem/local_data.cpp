@@ -112,8 +112,7 @@ Fields fields_of(const Moments& moments,
   f[velocity] = velocity_at_centre(moments, k, bin_width);
   f[shear_rate] = c.shear_rate != 0.0 ? c.shear_rate : slope(moments, k, bin_width);
   f[volume_fraction] = bin.mass / c.grain_density;
-  f[shear_stress] =
-      -(bin.contact_stress[at.shear] + kinetic_stress(bin, at.shear, 0, at.gradient));
+  f[shear_stress] = -(bin.contact_stress[at.shear] + kinetic_stress(bin, at.shear, 0, at.gradient));
   f[normal_stress] =
       bin.contact_stress[at.normal] + kinetic_stress(bin, at.normal, at.gradient, at.gradient);
   f[temperature] = (variance_about_line(bin) + kinetic_stress(bin, 1, 1, 1) / bin.mass +

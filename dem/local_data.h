@@ -13,15 +13,15 @@ namespace grainlaw::dem {
 /// In the units of the run.
 struct ChuteConditions {
   std::string geometry = "chute";  ///< fits and predictions so far take chutes
-  double inclination = 0.0;       ///< theta [rad]
-  double gravity = 1.0;           ///< g [length/time^2]
-  double grain_diameter = 1.0;    ///< d [length]
-  double grain_density = 0.0;     ///< rho_p [mass/length^3]
-  double stiffness = 0.0;         ///< normal contact stiffness k_n [mass/time^2]
-  double contact_friction = 0.0;  ///< mu_p
-  double mass_per_area = 0.0;     ///< of the flowing grains [mass/length^2]
-  double shear_rate = 0.0;        ///< imposed on the whole box [1/time]; 0: none
-  std::string base;               ///< recipe of the base in words, equal for equal bases
+  double inclination = 0.0;        ///< theta [rad]
+  double gravity = 1.0;            ///< g [length/time^2]
+  double grain_diameter = 1.0;     ///< d [length]
+  double grain_density = 0.0;      ///< rho_p [mass/length^3]
+  double stiffness = 0.0;          ///< normal contact stiffness k_n [mass/time^2]
+  double contact_friction = 0.0;   ///< mu_p
+  double mass_per_area = 0.0;      ///< of the flowing grains [mass/length^2]
+  double shear_rate = 0.0;         ///< imposed on the whole box [1/time]; 0: none
+  std::string base;                ///< recipe of the base in words, equal for equal bases
 };
 
 /// Averages in one bin of z over the steady window, with standard errors by block averaging.

@@ -26,27 +26,15 @@ auto with_law(const Scene& scene, Use&& use) {
       scene.friction);
 }
 
-double surface_tension_attraction(const Scene& scene) {
-  return std::visit(
-      [&](const auto& law) {
-        if constexpr (std::decay_t<decltype(law)>::attracts) {
-          return law.largest_attraction(0.5 * scene.grains.diameter);
-        } else {
-          return 0.0;
-        }
-      },
-      scene.cohesion);
-}
-
 }  // namespace
 
 ChuteConditions conditions(const Scene& scene) {
-  ChuteConditions c{.geometry = std::string(kind(scene.geometry)),
-                    .grain_diameter = scene.grains.diameter,
-                    .grain_density = scene.grains.density(),
-                    .stiffness =
-                        std::visit([](const auto& law) { return law.stiffness; }, scene.normal),
-                    .contact_friction = contact_friction(scene)};
+  ChuteConditions c{
+      .geometry = std::string(kind(scene.geometry)),
+      .grain_diameter = scene.grains.diameter,
+      .grain_density = scene.grains.density(),
+      .stiffness = std::visit([](const auto& law) { return law.stiffness; }, scene.normal),
+      .contact_friction = contact_friction(scene)};
   if (const auto* chute = std::get_if<Chute>(&scene.geometry)) {
     c.inclination = chute->inclination;
     c.gravity = chute->gravity;
@@ -58,9 +46,50 @@ ChuteConditions conditions(const Scene& scene) {
   return c;
 }
 
+double contact_friction(const Scene& scene) {
+  return std::visit(
+      [](const auto& law) {
+        if constexpr (std::decay_t<decltype(law)>::rotates)
+          return law.coefficient;
+        else
+          return 0.0;
+      },
+      scene.friction);
+}
+
+InitialState present_state(const SimulationBase& simulation) {
+  const Particles& particles = simulation.particles();
+  InitialState state{.box = simulation.box(), .grains = std::vector<InitialGrain>(particles.real)};
+  for (std::size_t i = 0; i < particles.real; ++i) {
+    const GrainState& grain = particles.state[i];
+    state.grains[particles.id[i]] = {.position = grain.position,
+                                     .velocity = grain.velocity,
+                                     .diameter = 2.0 * grain.radius,
+                                     .body = particles.body[i]};
+  }
+  return state;
+}
+
 LocalData run(const Scene& scene, const RunOptions& options) {
   validate(scene);
   return with_law(scene, [&](const auto& law) { return FlowRun{scene, law, options}.run(); });
+}
+
+double measure_step_seconds(const Scene& scene) {
+  validate(scene);
+  return with_law(scene, [&](const auto& law) {
+    const InitialState packing = initial_state(scene);
+    Simulation simulation{law, flow_setup(scene, packing), packing};
+    const auto seconds_per_step = [&] {
+      constexpr double shortest = 0.2;  // [s]
+      const Stopwatch clock;
+      long steps = 0;
+      for (; steps < 100 || clock.seconds() < shortest; ++steps) simulation.step();
+      return clock.seconds() / static_cast<double>(steps);
+    };
+    seconds_per_step();  // the packing has hardly any contacts: let it fall together first
+    return seconds_per_step();
+  });
 }
 
 }  // namespace grainlaw::dem

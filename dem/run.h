@@ -33,11 +33,6 @@ struct RunOptions {
   const Checkpoint* resume = nullptr;  ///< go on from here instead of from the start
 };
 
-/// A checkpoint that belongs to another scene, or is not complete.
-struct CheckpointError : std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
-
 /// Conditions of the scene that fits and predictions may use.
 ChuteConditions conditions(const Scene& scene);
 

@@ -80,23 +80,23 @@ struct Chute {
   double width = 8.0;        ///< period in y, or distance of the sidewalls [length]
   int grains = 0;            ///< number of flowing grains
   Base base = BumpyBase{};
-  std::optional<Sidewalls> sidewalls;
+  std::optional<Sidewalls> sidewalls{};
 };
 
 /// Homogeneous simple shear, v_x = shear_rate y: Lees-Edwards boundaries in x and y, plain periodic
 /// z. sigma_yy is held by the height of the box (Shi et al. 2020, section 2.2), or the volume is.
 struct SimpleShear {
-  double shear_rate = 0.0;         ///< d v_x / d y [1/time]
-  std::optional<double> pressure;  ///< sigma_yy to hold, 0 allowed [stress]; absent: fixed volume
-  int grains = 0;                  ///< number of grains
-  double volume_fraction = 0.6;    ///< at the start, where no size is given
-  Vec3 size;                       ///< of the box at the start [length]; 0: a cube by the above
+  double shear_rate = 0.0;           ///< d v_x / d y [1/time]
+  std::optional<double> pressure{};  ///< sigma_yy to hold, 0 allowed [stress]; absent: fixed volume
+  int grains = 0;                    ///< number of grains
+  double volume_fraction = 0.6;      ///< at the start, where no size is given
+  Vec3 size{};                       ///< of the box at the start [length]; 0: a cube by the above
 };
 
 /// A dense layer between two rough walls parallel to x and y; the upper one moves along x.
 struct PlaneShear {
   double velocity = 0.0;          ///< of the upper wall [length/time]
-  std::optional<double> load;     ///< normal stress on the upper wall [stress]; absent: fixed gap
+  std::optional<double> load{};   ///< normal stress on the upper wall [stress]; absent: fixed gap
   double gravity = 0.0;           ///< g along -z [length/time^2]
   double length = 8.0;            ///< period in x [length]
   double width = 8.0;             ///< period in y [length]
@@ -136,9 +136,9 @@ using Geometry = std::variant<Chute, SimpleShear, PlaneShear, BodyForceBox, Spli
 
 /// A grain of a given start.
 struct StartGrain {
-  Vec3 position;          ///< [length]
-  Vec3 velocity;          ///< [length/time]
-  Vec3 rotation;          ///< omega [1/time]
+  Vec3 position{};        ///< [length]
+  Vec3 velocity{};        ///< [length/time]
+  Vec3 rotation{};        ///< omega [1/time]
   double diameter = 1.0;  ///< [length]
   bool frozen = false;    ///< part of the base or of a wall
 };
@@ -216,6 +216,9 @@ double time_step(const Scene& scene);
 
 /// "chute", "simple_shear", "plane_shear", "body_force_box", "split_bottom".
 std::string_view kind(const Geometry& geometry);
+
+/// mu_p: the coefficient of sliding, dynamic; 0 without friction.
+double contact_friction(const Scene& scene);
 
 /// Number of mobile grains.
 int grains(const Scene& scene);

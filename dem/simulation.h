@@ -88,8 +88,11 @@ class SimulationBase {
   void watch(const ContactSums& sums);
   void control_boundaries(const ContactSums& sums);
   void book(const ContactSums& sums);
-  void save_base(Checkpoint& to) const;
+  void save_base(Checkpoint& to);
   void restore_base(const Checkpoint& from);
+  void restore_pairs(const Checkpoint& from);
+  template <class Visit>
+  void for_scalars(Visit&& visit);
   double field_work() const;
   ContactSums sums_of_strips() const;
 
@@ -194,7 +197,7 @@ class Simulation : public SimulationBase {
 
   /// Everything that shapes the further path; restore() needs a simulation made from the same law,
   /// set-up and initial state.
-  void save(Checkpoint& to) const { save_base(to); }
+  void save(Checkpoint& to) { save_base(to); }
   void restore(const Checkpoint& from) {
     restore_base(from);
     start_search();

@@ -116,8 +116,8 @@ Assessment assess(std::span<const ProfileFrame> frames, const SteadyCriteria& cr
   }
   std::size_t first = 0;
   for (const Series& s : series) first = std::max(first, mser_truncation(s.values));
-  const double relaxed = std::max(
-      criteria.start_up, criteria.mean_flow ? relaxed_time(frames, velocity, first) : 0.0);
+  const double relaxed =
+      std::max(criteria.start_up, criteria.mean_flow ? relaxed_time(frames, velocity, first) : 0.0);
   const auto start = std::ranges::find_if(
       frames, [&](const ProfileFrame& frame) { return frame.begin >= relaxed; });
   constexpr std::ptrdiff_t fewest_frames = 8;  // to judge a drift by

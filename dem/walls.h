@@ -9,8 +9,8 @@ namespace grainlaw::dem {
 
 /// A plane that grains stay above.
 struct Plane {
-  Vec3 point;
-  Vec3 normal;  ///< unit vector into the grains
+  Vec3 point{};
+  Vec3 normal{};  ///< unit vector into the grains
 
   double distance(const Vec3& p) const { return dot(p - point, normal); }
   Vec3 foot(const Vec3& p) const { return p - distance(p) * normal; }

@@ -1,0 +1,147 @@
+#include "dem/flow_record.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "dem/flow_setup.h"
+#include "dem/run.h"
+
+namespace grainlaw::dem {
+namespace {
+
+constexpr std::size_t numbers_per_bin = sizeof(BinMoments) / sizeof(double);
+
+double coordination(const ProfileFrames& frames, double begin, double mean_mass) {
+  double contacts = 0.0, mass = 0.0;
+  for (const ProfileFrame& frame : frames.frames) {
+    if (frame.begin < begin) continue;
+    for (const BinMoments& bin : frame.bins) {
+      contacts += bin.contacts;
+      mass += bin.mass;
+    }
+  }
+  return mass > 0.0 ? contacts / mass * mean_mass : 0.0;
+}
+
+}  // namespace
+
+FlowRecord::FlowRecord(const Scene& scene, const Box& box)
+    : scene_(scene), sampler_(profile_bins(scene, box).count), criteria_(steady_criteria(scene)) {
+  const Measurement& m = scene.measurement;
+  const Bins bins = profile_bins(scene, box);
+  steps_per_sample_ = std::max(1L, std::lround(m.sample_interval / time_step(scene)));
+  samples_per_frame_ = std::max(1L, std::lround(m.frame_interval / m.sample_interval));
+  data_.name = scene.name;
+  data_.conditions = conditions(scene);
+  data_.frames.z_begin = bins.begin;
+  data_.frames.bin_width = bins.width;
+  data_.summary.time_step = time_step(scene);
+  data_.summary.contact_time = shortest_contact_time(scene);
+}
+
+void FlowRecord::sample(const SimulationBase& simulation,
+                        const std::vector<ContactSample>& contacts) {
+  const Particles& particles = simulation.particles();
+  sampler_.sample(
+      profile_bins(scene_, simulation.box()), particles, simulation.setup().dynamics, contacts);
+  constexpr double deep = 0.1;  // [smaller radius]
+  for (const ContactSample& contact : contacts) {
+    const double a = particles.state[contact.first].radius;
+    const double b = particles.state[contact.second].radius;
+    const double near = a + b - deep * (b > 0.0 ? std::min(a, b) : a);
+    deep_contacts_ += square(contact.branch) < near * near;
+    sampled_contacts_ += square(contact.branch) < (a + b) * (a + b);
+  }
+}
+
+void FlowRecord::close_frame(double begin, const SimulationBase& simulation) {
+  ProfileFrame frame = sampler_.finish();
+  frame.begin = begin;
+  frame.end = simulation.time();
+  data_.frames.frames.push_back(std::move(frame));
+  width_sum_ += profile_bins(scene_, simulation.box()).width;
+  wall_at_frame_.push_back(wall_before_ + clock_.seconds());
+}
+
+const Assessment& FlowRecord::assess() {
+  assessment_ = dem::assess(data_.frames.frames, criteria_);
+  return assessment_;
+}
+
+LocalData FlowRecord::finish(const SimulationBase& simulation,
+                             const EnergyLedger& ledger,
+                             double energy) {
+  const auto& frames = data_.frames.frames;
+  if (!frames.empty()) {
+    data_.frames.bin_width = width_sum_ / static_cast<double>(frames.size());
+  }
+  data_.window = steady_window(assessment_, frames);
+  data_.rows = average(data_.frames, data_.conditions, data_.window);
+  RunSummary& summary = data_.summary;
+  const Particles& particles = simulation.particles();
+  summary.steps = simulation.steps();
+  summary.flowing_grains = static_cast<int>(particles.mobile);
+  summary.base_grains = static_cast<int>(particles.real - particles.mobile);
+  summary.wall_seconds = wall_before_ + clock_.seconds();
+  for (std::size_t k = 0; k < frames.size() && frames[k].end <= data_.window.begin; ++k) {
+    summary.startup_wall_seconds = wall_at_frame_[k];
+  }
+  summary.largest_overlap = simulation.largest_overlap();
+  summary.deep_overlap_share = static_cast<double>(deep_contacts_) /
+                               static_cast<double>(std::max<std::int64_t>(1, sampled_contacts_));
+  const double dissipated = ledger.dissipated();
+  summary.energy_residual =
+      std::abs(ledger.residual(energy)) / (dissipated > 0.0 ? dissipated : ledger.initial_energy);
+  summary.coordination = coordination(data_.frames, data_.window.begin, scene_.grains.mean_mass());
+  return std::move(data_);
+}
+
+void FlowRecord::save(Checkpoint& to) const {
+  std::vector<double> frames;
+  for (const ProfileFrame& frame : data_.frames.frames) {
+    frames.insert(frames.end(),
+                  {frame.begin,
+                   frame.end,
+                   static_cast<double>(frame.samples),
+                   frame.centre_of_mass,
+                   frame.kinetic_energy});
+    for (const BinMoments& bin : frame.bins) {
+      const auto* first = reinterpret_cast<const double*>(&bin);
+      frames.insert(frames.end(), first, first + numbers_per_bin);
+    }
+  }
+  to.numbers["record/frames"] = std::move(frames);
+  to.numbers["record/sums"] = {width_sum_};
+  to.integers["record/contacts"] = {deep_contacts_, sampled_contacts_};
+  to.numbers["run/wall_seconds"] = {wall_before_ + clock_.seconds(),
+                                    data_.summary.stepping_seconds};
+  to.numbers["run/wall_at_frame"] = wall_at_frame_;
+}
+
+void FlowRecord::restore(const Checkpoint& from) {
+  const std::vector<double>& frames = entry(from.numbers, "record/frames");
+  const std::size_t bins = sampler_.bins();
+  const std::size_t stride = 5 + bins * numbers_per_bin;
+  if (frames.size() % stride != 0) throw CheckpointError("the frames of another scene");
+  for (std::size_t at = 0; at < frames.size(); at += stride) {
+    ProfileFrame frame{.begin = frames[at],
+                       .end = frames[at + 1],
+                       .samples = static_cast<int>(frames[at + 2]),
+                       .centre_of_mass = frames[at + 3],
+                       .kinetic_energy = frames[at + 4],
+                       .bins = std::vector<BinMoments>(bins)};
+    std::memcpy(frame.bins.data(), &frames[at + 5], bins * sizeof(BinMoments));
+    data_.frames.frames.push_back(std::move(frame));
+  }
+  width_sum_ = entry(from.numbers, "record/sums", 1)[0];
+  const auto& contacts = entry(from.integers, "record/contacts", 2);
+  deep_contacts_ = contacts[0];
+  sampled_contacts_ = contacts[1];
+  const auto& wall = entry(from.numbers, "run/wall_seconds", 2);
+  wall_before_ = wall[0];
+  data_.summary.stepping_seconds = wall[1];
+  wall_at_frame_ = entry(from.numbers, "run/wall_at_frame");
+}
+
+}  // namespace grainlaw::dem

@@ -1,0 +1,147 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "dem/binary_collision.h"
+#include "dem/flow_record.h"
+#include "dem/flow_setup.h"
+#include "dem/packing.h"
+#include "dem/run.h"
+
+namespace grainlaw::dem {
+
+/// The grains as they are now, in the order of their numbers, spins left out.
+InitialState present_state(const SimulationBase& simulation);
+
+/// A packing that has come to rest, with the normal law alone: friction and cohesion would keep it
+/// as loose as it was made. False from the observer stops it.
+template <class Normal>
+InitialState settled(const Scene& scene,
+                     const Normal& normal,
+                     const InitialState& packing,
+                     const RunOptions& options,
+                     const Stopwatch& clock,
+                     bool& go_on) {
+  constexpr double longest = 60.0;      // [unit times]
+  constexpr double slow_energy = 1e-4;  // per grain [m g d]
+  std::optional<SimulationSetup> setup = settling_setup(scene, packing);
+  if (!setup) return packing;
+  setup->threads = options.threads;
+  Simulation simulation(ContactLaw{normal, Cohesionless{}, Frictionless{}}, *setup, packing);
+  const double unit = unit_time(scene);
+  const double speed2 = scene.grains.diameter * scene.grains.diameter / (unit * unit);
+  const double slow = slow_energy * scene.grains.mass * speed2 * grains(scene);
+  const long chunk = std::max(1L, std::lround(unit / time_step(scene)));
+  do {
+    for (long k = 0; k < chunk; ++k) simulation.step();
+    const Progress now{
+        .steps = simulation.steps(), .wall_seconds = clock.seconds(), .settling = true};
+    go_on = !options.observer || options.observer(now);
+  } while (go_on && simulation.kinetic_energy() > slow && simulation.time() < longest * unit);
+  return present_state(simulation);
+}
+
+/// One scene from packing, or checkpoint, to local data.
+template <class Law>
+class FlowRun {
+ public:
+  FlowRun(const Scene& scene, const Law& law, const RunOptions& options)
+      : scene_(scene),
+        options_(options),
+        start_(start(scene, law, options)),
+        simulation_(law, setup(scene, start_, options), start_),
+        record_(scene, start_.box) {
+    const double speed = scene.grains.diameter / unit_time(scene);
+    record_.summary().restitution =
+        mean_restitution(ContactLaw{law.normal, Cohesionless{}, Frictionless{}},
+                         {.mass = scene.grains.mass, .diameter = scene.grains.diameter},
+                         speed,
+                         time_step(scene));
+    if (!options.resume) return;
+    simulation_.restore(*options.resume);
+    record_.restore(*options.resume);
+  }
+
+  LocalData run() {
+    while (go_on_) {
+      const Stopwatch stepping;
+      add_frame();
+      record_.summary().stepping_seconds += stepping.seconds();
+      const Assessment& now = record_.assess();
+      const bool done = now.certain || simulation_.time() >= scene_.measurement.time_limit;
+      const bool asked_to_stop = !report();
+      go_on_ = !done && !asked_to_stop;
+      const bool due = since_save_.seconds() >= options_.checkpoint_interval;
+      if (options_.save && !done && (due || asked_to_stop)) save();
+    }
+    return record_.finish(simulation_, simulation_.ledger(), simulation_.mechanical_energy());
+  }
+
+ private:
+  InitialState start(const Scene& scene, const Law& law, const RunOptions& options) {
+    const InitialState packing = initial_state(scene);
+    if (options.resume) return packing;  // what it holds is replaced
+    return settled(scene, law.normal, packing, options, clock_, go_on_);
+  }
+
+  static SimulationSetup setup(const Scene& scene,
+                               const InitialState& initial,
+                               const RunOptions& options) {
+    SimulationSetup setup = flow_setup(scene, initial);
+    setup.threads = options.threads;
+    return setup;
+  }
+
+  void add_frame() {
+    const double begin = simulation_.time();
+    for (long sample = 0; sample < record_.samples_per_frame(); ++sample) {
+      for (long k = 1; k < record_.steps_per_sample(); ++k) simulation_.step();
+      contacts_.clear();
+      simulation_.step(
+          [&](std::uint32_t i, std::uint32_t j, const Vec3& branch, const Vec3& force) {
+            contacts_.push_back({i, j, branch, force});
+          });
+      record_.sample(simulation_, contacts_);
+    }
+    record_.close_frame(begin, simulation_);
+  }
+
+  /// False: the observer wants the run to stop.
+  bool report() const {
+    if (!options_.observer) return true;
+    const auto& frames = record_.frames();
+    const Measurement& m = scene_.measurement;
+    const double wanted = frames[record_.assessment().first_frame].begin + m.averaging_time;
+    return options_.observer(
+        {.time = simulation_.time(),
+         .expected_end = std::min(std::max(simulation_.time(), wanted), m.time_limit),
+         .steps = simulation_.steps(),
+         .wall_seconds = clock_.seconds(),
+         .mean_velocity = mean_velocity(frames.back())});
+  }
+
+  void save() {
+    Checkpoint checkpoint;
+    simulation_.save(checkpoint);
+    record_.save(checkpoint);
+    options_.save(checkpoint);
+    since_save_ = {};
+  }
+
+  const Scene& scene_;
+  const RunOptions& options_;
+  Stopwatch clock_;
+  Stopwatch since_save_;
+  bool go_on_ = true;
+  InitialState start_;
+  Simulation<Law> simulation_;
+  FlowRecord record_;
+  std::vector<ContactSample> contacts_;
+};
+template <class Law>
+FlowRun(const Scene&, const Law&, const RunOptions&) -> FlowRun<Law>;
+
+}  // namespace grainlaw::dem
