@@ -80,23 +80,23 @@ struct Chute {
   double width = 8.0;        ///< period in y, or distance of the sidewalls [length]
   int grains = 0;            ///< number of flowing grains
   Base base = BumpyBase{};
-  std::optional<Sidewalls> sidewalls;
+  std::optional<Sidewalls> sidewalls{};
 };
 
 /// Homogeneous simple shear, v_x = shear_rate y: Lees-Edwards boundaries in x and y, plain periodic
 /// z. sigma_yy is held by the height of the box (Shi et al. 2020, section 2.2), or the volume is.
 struct SimpleShear {
-  double shear_rate = 0.0;         ///< d v_x / d y [1/time]
-  std::optional<double> pressure;  ///< sigma_yy to hold, 0 allowed [stress]; absent: fixed volume
-  int grains = 0;                  ///< number of grains
-  double volume_fraction = 0.6;    ///< at the start, where no size is given
-  Vec3 size;                       ///< of the box at the start [length]; 0: a cube by the above
+  double shear_rate = 0.0;           ///< d v_x / d y [1/time]
+  std::optional<double> pressure{};  ///< sigma_yy to hold, 0 allowed [stress]; absent: fixed volume
+  int grains = 0;                    ///< number of grains
+  double volume_fraction = 0.6;      ///< at the start, where no size is given
+  Vec3 size{};                       ///< of the box at the start [length]; 0: a cube by the above
 };
 
 /// A dense layer between two rough walls parallel to x and y; the upper one moves along x.
 struct PlaneShear {
   double velocity = 0.0;          ///< of the upper wall [length/time]
-  std::optional<double> load;     ///< normal stress on the upper wall [stress]; absent: fixed gap
+  std::optional<double> load{};   ///< normal stress on the upper wall [stress]; absent: fixed gap
   double gravity = 0.0;           ///< g along -z [length/time^2]
   double length = 8.0;            ///< period in x [length]
   double width = 8.0;             ///< period in y [length]
@@ -136,9 +136,9 @@ using Geometry = std::variant<Chute, SimpleShear, PlaneShear, BodyForceBox, Spli
 
 /// A grain of a given start.
 struct StartGrain {
-  Vec3 position;          ///< [length]
-  Vec3 velocity;          ///< [length/time]
-  Vec3 rotation;          ///< omega [1/time]
+  Vec3 position{};        ///< [length]
+  Vec3 velocity{};        ///< [length/time]
+  Vec3 rotation{};        ///< omega [1/time]
   double diameter = 1.0;  ///< [length]
   bool frozen = false;    ///< part of the base or of a wall
 };
@@ -175,7 +175,16 @@ struct Interval {
   double least;
   double most;
 };
-inline constexpr double least_period = 3.0;  ///< [d]; in a shorter one a grain meets its own image
+inline constexpr double least_period = 3.0;   ///< [largest d]; in a shorter one a grain meets its
+                                              ///< own image
+inline constexpr double least_reaches = 2.2;  ///< of a period, in reaches (contact and attraction)
+                                              ///< of the largest pair: one image at a time
+inline constexpr Interval size_ratio{1.0, 20.0};
+inline constexpr double attraction_range = 0.5;       ///< at most, beyond contact [smallest d]
+inline constexpr double contact_angle = 90.0;         ///< below it [degrees]; beyond, bridges repel
+inline constexpr Interval lattice_spacing{0.5, 1.7};  ///< [d]; at sqrt(3) d a grain falls through
+inline constexpr Interval volume_fraction{0.01, 0.65};  ///< denser: does not come apart
+inline constexpr int least_wedges = 4;  ///< of a full turn: a section is at most 90 degrees
 inline constexpr Interval base_thickness{1.0, 10.0};        ///< [d]; thinner ones have holes
 inline constexpr Interval base_packing_fraction{0.4, 0.6};  ///< looser: holes; denser: no packing
 inline constexpr double overlap = 1.0;                      ///< max_overlap is below it
@@ -220,8 +229,25 @@ std::string_view kind(const Geometry& geometry);
 /// Number of mobile grains.
 int grains(const Scene& scene);
 
+/// Number of glued grains, those included that are packed only to cut base or walls from.
+double glued_grains(const Scene& scene);
+
 /// Depth of the flowing grains at nominal_packing [length].
 double nominal_depth(const Grains& grains, const Chute& chute);
+double nominal_depth(const Grains& grains, const SplitBottom& cell);
+
+/// Area of the bottom of a wedge [length^2].
+double floor_area(const SplitBottom& cell);
+
+/// Size of the box at the start: as given, or the cube of its volume fraction [length].
+Vec3 start_size(const Grains& grains, const SimpleShear& shear);
+
+/// Distance of the walls, and height of the box, at the start [length].
+double start_gap(const Grains& grains, const PlaneShear& shear);
+double start_height(const Grains& grains, const BodyForceBox& box);
+
+/// Gap up to which a pair of grains attracts; 0 without cohesion [length].
+double attraction_range(const Scene& scene);
 
 /// Mean flowing mass per unit area of the base [mass/length^2].
 double mass_per_area(const Grains& grains, const Chute& chute);
