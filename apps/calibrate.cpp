@@ -110,8 +110,9 @@ void warn_of_few_samples(Runs& runs) {
 bool belongs(const dem::LocalData& data, const io::Campaign& campaign) {
   const double tilt = data.conditions.inclination;
   if (!among(tilt, campaign.calibrate_tilts) && !among(tilt, campaign.predict_tilts)) return false;
-  return same_grains(data.conditions, dem::conditions(campaign.scene.scene)) &&
-         data.conditions.mass_per_area == dem::mass_per_area(campaign.scene.scene);
+  const dem::ChuteConditions expected = dem::conditions(campaign.scene.scene);
+  return same_grains(data.conditions, expected) &&
+         data.conditions.mass_per_area == expected.mass_per_area;
 }
 
 Runs gather(const io::Campaign& campaign, const std::vector<std::string>& files) {

@@ -13,22 +13,36 @@
 namespace grainlaw {
 namespace {
 
-/// Working memory of the engine: records of a grain and of its listed pairs, about 1 kB together.
-double memory_megabytes(const dem::Scene& scene) {
-  constexpr double bytes_per_grain = 1000.0;
-  return scene.geometry.grains * bytes_per_grain / 1e6 + 1.0;
+/// The chute a scene is, if it is one.
+const dem::Chute* chute_of(const dem::Scene& scene) {
+  return std::get_if<dem::Chute>(&scene.geometry);
 }
 
-/// Time of one step, measured on a shorter chute where the whole one would take long to pack.
+/// Working memory of the engine: the records of the grains and of their listed pairs, which exist
+/// twice while grains are sorted and lists made anew; together about 1 kB a grain.
+double memory_megabytes(const dem::Scene& scene) {
+  constexpr double bytes_per_grain = 400.0;
+  constexpr double bytes_per_pair = 120.0;
+  constexpr double skin = 0.3;  // [d]
+  const double reach = 1.0 + skin + dem::attraction_range(scene) / scene.grains.diameter;
+  const double pairs_per_grain = 4.0 * dem::nominal_packing * reach * reach * reach;
+  const double grains = dem::grains(scene) + dem::glued_grains(scene);
+  return grains * (bytes_per_grain + bytes_per_pair * pairs_per_grain) / 1e6 + 1.0;
+}
+
+/// Time of one step; of a long chute it is measured on a part, as the whole takes long to pack.
 double step_seconds(const dem::Scene& scene) {
   constexpr double enough_grains = 4000.0;
-  const double shortest = dem::limits::least_period * scene.grains.diameter;
+  const dem::Chute* const chute = chute_of(scene);
+  if (chute == nullptr || !scene.start.empty()) return dem::measure_step_seconds(scene);
+  const double shortest = dem::limits::least_period * scene.grains.largest();
   const double share =
-      std::clamp(enough_grains / scene.geometry.grains, shortest / scene.geometry.length, 1.0);
+      std::clamp(enough_grains / chute->grains, std::min(1.0, 1.2 * shortest / chute->length), 1.0);
   dem::Scene part = scene;
-  part.geometry.length *= share;
-  part.geometry.grains = static_cast<int>(std::ceil(scene.geometry.grains * share));
-  return dem::measure_step_seconds(part) * scene.geometry.grains / part.geometry.grains;
+  auto& shorter = std::get<dem::Chute>(part.geometry);
+  shorter.length *= share;
+  shorter.grains = static_cast<int>(std::ceil(chute->grains * share));
+  return dem::measure_step_seconds(part) * chute->grains / shorter.grains;
 }
 
 }  // namespace
@@ -45,8 +59,12 @@ Summary check_scene(const io::SceneFile& file) {
   summary.add("scene", "scene", scene.name);
   summary.add("uses", "uses", parts.used);
   summary.add("leaves_out", "leaves out", parts.left_out);
-  summary.add("grains", "flowing grains", static_cast<long>(scene.geometry.grains));
-  summary.add("mass_per_area", "mass per area", dem::mass_per_area(scene), "m/d^2");
+  summary.add("geometry", "geometry", std::string(dem::kind(scene.geometry)));
+  summary.add("grains", "flowing grains", static_cast<long>(dem::grains(scene)));
+  if (const dem::Chute* const chute = chute_of(scene)) {
+    summary.add(
+        "mass_per_area", "mass per area", dem::mass_per_area(scene.grains, *chute), "m/d^2");
+  }
   summary.add("shortest_contact_time", "shortest contact", shortest, "sqrt(d/g)");
   summary.add("time_step", "time step", step, "sqrt(d/g)");
   summary.add("time_step_reason",

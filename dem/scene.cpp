@@ -3,8 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <string_view>
+#include <limits>
+
+#include "dem/scene_checks.h"
 
 namespace grainlaw::dem {
 namespace {
@@ -12,277 +15,267 @@ namespace {
 constexpr double default_steps_per_contact = 50.0;
 constexpr double least_steps_per_contact = 15.0;
 
-/// Where scene files state a number.
-struct Place {
-  std::string_view section;
-  std::string_view key;
-};
+constexpr double never = std::numeric_limits<double>::infinity();
 
-template <class... Parts>
-void refuse_unless(bool good,
-                   const Place& at,
-                   fmt::format_string<Parts...> message,
-                   Parts&&... parts) {
-  if (good) return;
-  throw SceneError(fmt::format(message, std::forward<Parts>(parts)...), at.section, at.key);
+/// The deepest overlap a run accepts, relative to the diameter of two equal grains.
+double deepest_overlap(const Scene& scene) {
+  return 0.5 * scene.max_overlap;
 }
 
-void positive(double value, const Place& at, std::string_view what) {
-  refuse_unless(
-      value > 0.0 && std::isfinite(value), at, "{} = {}: must be positive and finite", what, value);
+FastestMode normal_mode(const Hooke& law, double mass, double) {
+  return {law.contact_time(0.5 * mass), "stiffness", law.stiffness};
+}
+FastestMode normal_mode(const Hertz& law, double mass, double overlap) {
+  return {law.contact_time(0.5 * mass, overlap), "stiffness", law.stiffness};
+}
+
+double prefactor(const Hooke&, double) {
+  return 1.0;
+}
+double prefactor(const Hertz&, double overlap) {
+  return std::sqrt(overlap);
+}
+
+FastestMode tangential_mode(const Frictionless&, double, double) {
+  return {never, "", 0.0};
+}
+template <class Law>
+FastestMode tangential_mode(const Law& law, double mass, double prefactor) {
+  return {tangential_contact_time(law, mass) / std::sqrt(prefactor),
+          "tangential stiffness",
+          law.stiffness};
+}
+
+FastestMode cohesive_mode(const Cohesionless&, const Grains&) {
+  return {never, "", 0.0};
+}
+template <class Law>
+FastestMode cohesive_mode(const Law& law, const Grains& grains) {
+  const double slope = law.steepest_slope(0.5 * grains.smallest());
+  const double reduced_mass = 0.5 * grains.mass_of(grains.smallest());
+  return {std::numbers::pi * std::sqrt(reduced_mass / slope), "slope of the attraction", slope};
+}
+
+double range_of(const Cohesionless&) {
+  return 0.0;
+}
+template <class Law>
+double range_of(const Law& law) {
+  return law.range();
 }
 
 void check_grains(const Grains& grains) {
-  positive(grains.diameter, {"grains", "diameter"}, "grain diameter");
-  positive(grains.mass, {"grains", "density"}, "grain mass");
+  require_positive(grains.diameter, {"grains", "diameter"}, "grain diameter");
+  require_positive(grains.mass, {"grains", "density"}, "grain mass");
+  const limits::Interval& allowed = limits::size_ratio;
+  if (grains.size_ratio >= allowed.least && grains.size_ratio <= allowed.most) return;
+  refuse({"grains", "size_ratio"},
+         fmt::format("size_ratio = {}: must lie in [{}, {}], largest diameter over smallest",
+                     grains.size_ratio,
+                     allowed.least,
+                     allowed.most));
 }
 
-void check(const Hooke& law, const Grains& grains) {
-  positive(law.stiffness, {"contact.normal", "stiffness"}, "normal stiffness");
-  // A grain on a frozen one has the larger reduced mass, m, and is damped critically first.
-  const double critical = 2.0 * std::sqrt(law.stiffness / grains.mass);
-  refuse_unless(law.damping >= 0.0 && law.damping < critical,
-                {"contact.normal", ""},
-                "normal damping = {}: must lie in [0, {:.6g}); at {:.6g} = 2 sqrt(k/m) a grain no "
-                "longer bounces off the base: lower the damping or raise the stiffness",
-                law.damping,
-                critical,
-                critical);
+void check_overlap(double max_overlap) {
+  if (max_overlap > 0.0 && max_overlap < limits::overlap) return;
+  refuse({"", "max_overlap"},
+         fmt::format("max_overlap = {}: must lie in (0, {}), a fraction of the radius",
+                     max_overlap,
+                     limits::overlap));
 }
 
-void check(const Frictionless&, const Grains&) {}
-
-void check(const Sliding& law, const Grains&) {
-  constexpr std::string_view section = "contact.friction";
-  refuse_unless(law.coefficient >= 0.0 && std::isfinite(law.coefficient),
-                {section, "coefficient"},
-                "friction coefficient = {}: must be 0 or positive",
-                law.coefficient);
-  refuse_unless(
-      law.coefficient > 0.0,
-      {section, "coefficient"},
-      "friction coefficient = {}: leave the friction law out instead, then grains need no "
-      "rotation and contacts no history",
-      law.coefficient);
-  positive(law.stiffness, {section, "stiffness"}, "tangential stiffness");
-  refuse_unless(law.damping >= 0.0 && std::isfinite(law.damping),
-                {section, "damping_rate"},
-                "tangential damping = {}: must be 0 or positive",
-                law.damping);
+/// The height that has to hold a bin and its neighbours, and what it is called; 0: none has to.
+struct BinnedHeight {
+  double height = 0.0;
+  std::string name;
+};
+BinnedHeight binned_height(const Grains& grains, const Chute& chute) {
+  return {nominal_depth(grains, chute), "nominal depth"};
+}
+BinnedHeight binned_height(const Grains& grains, const PlaneShear& shear) {
+  return {start_gap(grains, shear), "distance of the walls"};
+}
+BinnedHeight binned_height(const Grains& grains, const BodyForceBox& box) {
+  return {start_height(grains, box), "height of the box"};
+}
+BinnedHeight binned_height(const Grains&, const SimpleShear&) {
+  return {};
+}
+BinnedHeight binned_height(const Grains&, const SplitBottom&) {
+  return {};
 }
 
-void check_inclination(double inclination) {
-  const double degrees = inclination * 180.0 / std::numbers::pi;
-  refuse_unless(degrees >= 0.0 && degrees < 90.0,
-                {"geometry", "inclination"},
-                "inclination = {:.6g} degrees: must lie in [0, 90){}",
-                degrees,
-                degrees < 0.0 ? "; a negative tilt flows in -x, where velocity, shear rate and "
-                                "shear stress change sign: mirror the scene"
-                              : "");
-}
-
-void check_period(std::string_view name, double period, const Grains& grains) {
-  const double least = limits::least_period * grains.diameter;
-  refuse_unless(
-      period >= least && std::isfinite(period),
-      {"geometry", name},
-      "{} = {}: the period must be at least {:.6g} ({} d), else a grain meets its own image",
-      name,
-      period,
-      least,
-      limits::least_period);
-}
-
-void check(const BumpyBase& base) {
-  const auto inside = [](double value, const limits::Interval& interval) {
-    return value >= interval.least && value <= interval.most;
-  };
-  refuse_unless(inside(base.thickness, limits::base_thickness),
-                {"geometry.base", "thickness"},
-                "base thickness = {} d: must lie in [{}, {}]; thinner ones have holes",
-                base.thickness,
-                limits::base_thickness.least,
-                limits::base_thickness.most);
-  refuse_unless(inside(base.packing_fraction, limits::base_packing_fraction),
-                {"geometry.base", "packing_fraction"},
-                "base packing_fraction = {}: must lie in [{}, {}]; looser has holes, denser does "
-                "not come apart from random positions",
-                base.packing_fraction,
-                limits::base_packing_fraction.least,
-                limits::base_packing_fraction.most);
-}
-
-/// Grains packed to cut the base and a margin from, beside those that flow (pack_chute).
-double grains_for_base(const Chute& chute, const Grains& grains) {
-  const double slab = (chute.base.thickness + 2.0) * grains.diameter * chute.length * chute.width;
-  return chute.base.packing_fraction * slab * grains.density() / grains.mass;
-}
-
-void check(const Chute& chute, const Grains& grains) {
-  check_inclination(chute.inclination);
-  positive(chute.gravity, {"geometry", "gravity"}, "gravity");
-  refuse_unless(
-      chute.grains >= 1, {"geometry", "grains"}, "grains = {}: at least 1 must flow", chute.grains);
-  refuse_unless(chute.grains <= limits::grains,
-                {"geometry", "grains"},
-                "grains = {}: at most {}",
-                chute.grains,
-                limits::grains);
-  check_period("length", chute.length, grains);
-  check_period("width", chute.width, grains);
-  check(chute.base);
-  const double base = grains_for_base(chute, grains);
-  refuse_unless(chute.grains + base <= limits::grains,
-                {"geometry", "length"},
-                "length x width = {:.6g} x {:.6g}: {} flowing grains and {:.0f} to cut the base "
-                "from, together at most {}; take a smaller base",
-                chute.length,
-                chute.width,
-                chute.grains,
-                base,
-                limits::grains);
-}
-
-void check_bins(double width, const Scene& scene) {
+void check_bins(const Scene& scene) {
   constexpr Place at{"measurement", "bin_width"};
+  const double width = scene.measurement.bin_width;
   const double least = limits::least_bin_width * scene.grains.diameter;
-  const double depth = nominal_depth(scene);
-  positive(width, at, "bin_width");
-  refuse_unless(width >= least,
-                at,
-                "bin_width = {}: must be at least {:.6g} ({} d)",
-                width,
-                least,
-                limits::least_bin_width);
-  refuse_unless(width <= depth / limits::least_bins,
-                at,
-                "bin_width = {}: at most {:.4g}, a third of the nominal depth {:.4g} of {} grains: "
-                "the shear rate of a bin needs a neighbour on both sides; narrow the bins or "
-                "deepen the layer",
-                width,
-                depth / limits::least_bins,
-                depth,
-                scene.geometry.grains);
+  require_positive(width, at, "bin_width");
+  if (width < least) {
+    refuse(at,
+           fmt::format("bin_width = {}: must be at least {:.6g} ({} d)",
+                       width,
+                       least,
+                       limits::least_bin_width));
+  }
+  const BinnedHeight binned = std::visit(
+      [&](const auto& geometry) { return binned_height(scene.grains, geometry); }, scene.geometry);
+  const double most = binned.height / limits::least_bins;
+  if (binned.height == 0.0 || width <= most) return;
+  refuse(at,
+         fmt::format("bin_width = {}: at most {:.4g}, a third of the {} {:.4g} of {} grains: the "
+                     "shear rate of a bin needs a neighbour on both sides; {}",
+                     width,
+                     most,
+                     binned.name,
+                     binned.height,
+                     grains(scene),
+                     most < least ? "take more grains" : "narrow the bins or take more grains"));
+}
+
+/// One time of a measurement has to be at least another.
+void check_order(double value, double least, std::string_view key, const std::string& bound) {
+  if (value >= least && std::isfinite(value)) return;
+  refuse({"measurement", key}, fmt::format("{} = {}: must be at least {}", key, value, bound));
 }
 
 void check_times(const Measurement& m, double step) {
-  constexpr std::string_view section = "measurement";
-  positive(m.sample_interval, {section, "sample_interval"}, "sample_interval");
-  refuse_unless(m.sample_interval >= step,
-                {section, "sample_interval"},
-                "sample_interval = {}: must be at least one time step ({:.4g})",
-                m.sample_interval,
-                step);
-  refuse_unless(m.frame_interval >= m.sample_interval && std::isfinite(m.frame_interval),
-                {section, "frame_interval"},
-                "frame_interval = {}: must be at least sample_interval = {}",
-                m.frame_interval,
-                m.sample_interval);
-  refuse_unless(m.averaging_time >= 4.0 * m.frame_interval && std::isfinite(m.averaging_time),
-                {section, "averaging_time"},
-                "averaging_time = {}: must be at least 4 frames of {}, else no error can be given",
-                m.averaging_time,
-                m.frame_interval);
-  refuse_unless(m.time_limit >= m.averaging_time && std::isfinite(m.time_limit),
-                {section, "time_limit"},
-                "time_limit = {}: must be at least averaging_time = {}",
-                m.time_limit,
-                m.averaging_time);
+  require_positive(m.sample_interval, {"measurement", "sample_interval"}, "sample_interval");
+  check_order(
+      m.sample_interval, step, "sample_interval", fmt::format("one time step ({:.4g})", step));
+  check_order(m.frame_interval,
+              m.sample_interval,
+              "frame_interval",
+              fmt::format("sample_interval = {}", m.sample_interval));
+  check_order(m.averaging_time,
+              4.0 * m.frame_interval,
+              "averaging_time",
+              fmt::format("4 frames of {}, else no error can be given", m.frame_interval));
+  check_order(m.time_limit,
+              m.averaging_time,
+              "time_limit",
+              fmt::format("averaging_time = {}", m.averaging_time));
 }
 
 void check_number_of_steps(const Scene& scene) {
   const double step = time_step(scene);
   const double limit = scene.measurement.time_limit;
-  refuse_unless(limit / step <= limits::steps,
-                {"time", "step"},
-                "time step = {:.3g}: {:.3g} steps until time_limit = {}, at most {:.0e}; lengthen "
-                "the step or shorten the run",
-                step,
-                limit / step,
-                limit,
-                limits::steps);
+  if (limit / step <= limits::steps) return;
+  refuse({"time", "step"},
+         fmt::format("time step = {:.3g}: {:.3g} steps until time_limit = {}, at most {:.0e}; "
+                     "lengthen the step or shorten the run",
+                     step,
+                     limit / step,
+                     limit,
+                     limits::steps));
 }
 
 void check_step(const Scene& scene) {
   constexpr Place at{"time", "step"};
-  refuse_unless(scene.time_step >= 0.0 && std::isfinite(scene.time_step),
-                at,
-                "time_step = {}: must be positive, or 0 for the default",
-                scene.time_step);
-  const double contact = shortest_contact_time(scene);
-  const double largest = contact / least_steps_per_contact;
+  if (!(scene.time_step >= 0.0 && std::isfinite(scene.time_step))) {
+    refuse(at,
+           fmt::format("time_step = {}: must be positive, or 0 for the default", scene.time_step));
+  }
+  const FastestMode mode = fastest_mode(scene);
+  const double largest = mode.time / least_steps_per_contact;
   if (scene.allow_unstable_step || scene.time_step <= largest) return;
-  const double stiffness = std::visit([](const auto& law) { return law.stiffness; }, scene.normal);
   throw StepRefused(
       fmt::format("time_step = {:.3g} exceeds 1/15 of the shortest contact time ({:.3g} for "
-                  "stiffness = {:.6g}): "
-                  "at most {:.3g}; the default would be {:.3g}",
+                  "{} = {:.6g}{}): at most {:.3g}; the default would be {:.3g}",
                   scene.time_step,
-                  contact,
-                  stiffness,
+                  mode.time,
+                  mode.name,
+                  mode.stiffness,
+                  scene.grains.size_ratio > 1.0 ? " and the smallest grains" : "",
                   largest,
-                  contact / default_steps_per_contact),
+                  mode.time / default_steps_per_contact),
       at.section,
       at.key);
 }
 
-double tangential_contact_time(const Frictionless&, double) {
-  return std::numeric_limits<double>::infinity();
-}
-double tangential_contact_time(const Sliding& law, double mass) {
-  return law.contact_time(mass);
+double mean_volume(const Grains& grains) {
+  return grains.mean_mass() / grains.density();
 }
 
-void describe(const Hooke& law, SceneSummary& summary) {
-  summary.used.push_back(fmt::format(
-      "normal: spring and dashpot, stiffness {:.6g}, damping {:.6g}", law.stiffness, law.damping));
+/// Grains packed to cut a slab with centres in a layer and a margin from.
+double grains_in_slab(double thickness, double fraction, double area, const Grains& grains) {
+  const double volume = (thickness + 2.0) * grains.diameter * area;
+  return fraction * volume / mean_volume(grains);
 }
-void describe(const Cohesionless&, SceneSummary& summary) {
-  summary.left_out.emplace_back(
-      "no cohesion: no force beyond contact, list reach = contact + skin");
+double glued(const BumpyBase& base, double area, const Grains& grains) {
+  return grains_in_slab(base.thickness, base.packing_fraction, area, grains);
 }
-void describe(const Frictionless&, SceneSummary& summary) {
-  summary.left_out.emplace_back("no friction: no rotation, no history, no tangential force");
+double glued(const LatticeBase& base, double area, const Grains& grains) {
+  const double spacing = base.spacing * grains.diameter;
+  return area / (0.5 * std::numbers::sqrt3 * spacing * spacing);
 }
-void describe(const Sliding& law, SceneSummary& summary) {
-  summary.used.push_back(
-      fmt::format("friction: coefficient {:.6g}, tangential stiffness {:.6g}; rotation, one spring "
-                  "per contact",
-                  law.coefficient,
-                  law.stiffness));
-  if (law.damping > 0.0) {
-    summary.used.push_back(fmt::format("tangential dashpot {:.6g}", law.damping));
-  } else {
-    summary.left_out.emplace_back("no tangential damping");
-  }
+double glued(const FlatBase&, double, const Grains&) {
+  return 0.0;
+}
+
+double glued(const Base& base, double area, const Grains& grains) {
+  return std::visit([&](const auto& recipe) { return glued(recipe, area, grains); }, base);
+}
+
+double glued_in(const Chute& chute, const Grains& grains) {
+  return glued(chute.base, chute.length * chute.width, grains);
+}
+double glued_in(const PlaneShear& shear, const Grains& grains) {
+  return 2.0 * glued(shear.wall, shear.length * shear.width, grains);
+}
+double glued_in(const SplitBottom& cell, const Grains& grains) {
+  return grains_in_slab(cell.base_thickness, cell.base_packing_fraction, floor_area(cell), grains);
+}
+double glued_in(const SimpleShear&, const Grains&) {
+  return 0.0;
+}
+double glued_in(const BodyForceBox&, const Grains&) {
+  return 0.0;
 }
 
 }  // namespace
 
+void refuse(const Place& at, const std::string& message) {
+  throw SceneError(message, at.section, at.key);
+}
+
+void require_positive(double value, const Place& at, std::string_view what) {
+  if (value > 0.0 && std::isfinite(value)) return;
+  refuse(at, fmt::format("{} = {}: must be positive and finite", what, value));
+}
+
+void require_not_negative(double value, const Place& at, std::string_view what) {
+  if (value >= 0.0 && std::isfinite(value)) return;
+  refuse(at, fmt::format("{} = {}: must be 0 or positive, and finite", what, value));
+}
+
 void validate(const Scene& scene) {
   check_grains(scene.grains);
-  std::visit([&](const auto& law) { check(law, scene.grains); }, scene.normal);
-  std::visit([&](const auto& law) { check(law, scene.grains); }, scene.friction);
-  check(scene.geometry, scene.grains);
-  refuse_unless(scene.max_overlap > 0.0 && scene.max_overlap < limits::overlap,
-                {"", "max_overlap"},
-                "max_overlap = {}: must lie in (0, {}), a fraction of the radius",
-                scene.max_overlap,
-                limits::overlap);
+  check_overlap(scene.max_overlap);
+  check_laws(scene);
+  check_geometry(scene);
+  check_start(scene);
   check_step(scene);
-  check_bins(scene.measurement.bin_width, scene);
+  check_bins(scene);
   check_times(scene.measurement, time_step(scene));
   check_number_of_steps(scene);
 }
 
+FastestMode fastest_mode(const Scene& scene) {
+  const double mass = scene.grains.mass_of(scene.grains.smallest());
+  const double overlap = deepest_overlap(scene);
+  const auto in_normal = [&](const auto& law) { return normal_mode(law, mass, overlap); };
+  const auto in_prefactor = [&](const auto& law) { return prefactor(law, overlap); };
+  const double factor = std::visit(in_prefactor, scene.normal);
+  const auto in_friction = [&](const auto& law) { return tangential_mode(law, mass, factor); };
+  const auto in_cohesion = [&](const auto& law) { return cohesive_mode(law, scene.grains); };
+  const std::array<FastestMode, 3> modes{std::visit(in_normal, scene.normal),
+                                         std::visit(in_friction, scene.friction),
+                                         std::visit(in_cohesion, scene.cohesion)};
+  return *std::ranges::min_element(modes, {}, &FastestMode::time);
+}
+
 double shortest_contact_time(const Scene& scene) {
-  const double mass = scene.grains.mass;
-  const double normal =
-      std::visit([&](const auto& law) { return law.contact_time(0.5 * mass); }, scene.normal);
-  const double tangential = std::visit(
-      [&](const auto& law) { return tangential_contact_time(law, mass); }, scene.friction);
-  return std::min(normal, tangential);
+  return fastest_mode(scene).time;
 }
 
 double time_step(const Scene& scene) {
@@ -290,41 +283,54 @@ double time_step(const Scene& scene) {
   return shortest_contact_time(scene) / default_steps_per_contact;
 }
 
-double nominal_depth(const Scene& scene) {
-  return mass_per_area(scene) / (nominal_packing * scene.grains.density());
+int grains(const Scene& scene) {
+  if (!scene.start.empty()) {
+    return static_cast<int>(std::ranges::count(scene.start, false, &StartGrain::frozen));
+  }
+  return std::visit([](const auto& geometry) { return geometry.grains; }, scene.geometry);
 }
 
-double mass_per_area(const Scene& scene) {
-  return scene.geometry.grains * scene.grains.mass / (scene.geometry.length * scene.geometry.width);
+double glued_grains(const Scene& scene) {
+  if (!scene.start.empty()) {
+    return static_cast<double>(std::ranges::count(scene.start, true, &StartGrain::frozen));
+  }
+  return std::visit([&](const auto& shape) { return glued_in(shape, scene.grains); },
+                    scene.geometry);
 }
 
-SceneSummary summarise(const Scene& scene) {
-  SceneSummary summary;
-  std::visit([&](const auto& law) { describe(law, summary); }, scene.normal);
-  std::visit([&](const auto& law) { describe(law, summary); }, scene.friction);
-  std::visit([&](const auto& law) { describe(law, summary); }, scene.cohesion);
-  const Chute& chute = scene.geometry;
-  summary.used.push_back(
-      fmt::format("chute: {} grains on {:.6g} x {:.6g} at {:.6g} degrees, base {}",
-                  chute.grains,
-                  chute.length,
-                  chute.width,
-                  chute.inclination * 180.0 / std::numbers::pi,
-                  recipe(chute.base)));
-  const double step = time_step(scene);
-  summary.used.push_back(fmt::format("time step {:.4g}, {:.1f} per shortest contact time ({:.4g})",
-                                     step,
-                                     shortest_contact_time(scene) / step,
-                                     shortest_contact_time(scene)));
-  summary.left_out.emplace_back("equal grains: no radius or mass per grain");
-  summary.left_out.emplace_back("no side walls: periodic along and across the flow");
-  return summary;
+double attraction_range(const Scene& scene) {
+  return std::visit([](const auto& law) { return range_of(law); }, scene.cohesion);
 }
 
-std::string recipe(const BumpyBase& base) {
-  return fmt::format("glued random layer, {:.6g} d of centres at packing fraction {:.6g}",
-                     base.thickness,
-                     base.packing_fraction);
+double mass_per_area(const Grains& grains, const Chute& chute) {
+  return chute.grains * grains.mean_mass() / (chute.length * chute.width);
+}
+
+double nominal_depth(const Grains& grains, const Chute& chute) {
+  return mass_per_area(grains, chute) / (nominal_packing * grains.density());
+}
+
+double nominal_depth(const Grains& grains, const SplitBottom& cell) {
+  return cell.grains * mean_volume(grains) / (nominal_packing * floor_area(cell));
+}
+
+double floor_area(const SplitBottom& cell) {
+  return 0.5 * cell.wedge *
+         (cell.outer_radius * cell.outer_radius - cell.inner_radius * cell.inner_radius);
+}
+
+Vec3 start_size(const Grains& grains, const SimpleShear& shear) {
+  if (!(shear.size == Vec3{})) return shear.size;
+  const double side = std::cbrt(shear.grains * mean_volume(grains) / shear.volume_fraction);
+  return {side, side, side};
+}
+
+double start_gap(const Grains& grains, const PlaneShear& shear) {
+  return shear.grains * mean_volume(grains) / (shear.volume_fraction * shear.length * shear.width);
+}
+
+double start_height(const Grains& grains, const BodyForceBox& box) {
+  return box.grains * mean_volume(grains) / (box.volume_fraction * box.length * box.width);
 }
 
 }  // namespace grainlaw::dem

@@ -175,7 +175,16 @@ struct Interval {
   double least;
   double most;
 };
-inline constexpr double least_period = 3.0;  ///< [d]; in a shorter one a grain meets its own image
+inline constexpr double least_period = 3.0;   ///< [largest d]; in a shorter one a grain meets its
+                                              ///< own image
+inline constexpr double least_reaches = 2.2;  ///< of a period, in reaches (contact and attraction)
+                                              ///< of the largest pair: one image at a time
+inline constexpr Interval size_ratio{1.0, 20.0};
+inline constexpr double attraction_range = 0.5;       ///< at most, beyond contact [smallest d]
+inline constexpr double contact_angle = 90.0;         ///< below it [degrees]; beyond, bridges repel
+inline constexpr Interval lattice_spacing{0.5, 1.7};  ///< [d]; at sqrt(3) d a grain falls through
+inline constexpr Interval volume_fraction{0.01, 0.65};  ///< denser: does not come apart
+inline constexpr int least_wedges = 4;  ///< of a full turn: a section is at most 90 degrees
 inline constexpr Interval base_thickness{1.0, 10.0};        ///< [d]; thinner ones have holes
 inline constexpr Interval base_packing_fraction{0.4, 0.6};  ///< looser: holes; denser: no packing
 inline constexpr double overlap = 1.0;                      ///< max_overlap is below it
@@ -223,8 +232,25 @@ double contact_friction(const Scene& scene);
 /// Number of mobile grains.
 int grains(const Scene& scene);
 
+/// Number of glued grains, those included that are packed only to cut base or walls from.
+double glued_grains(const Scene& scene);
+
 /// Depth of the flowing grains at nominal_packing [length].
 double nominal_depth(const Grains& grains, const Chute& chute);
+double nominal_depth(const Grains& grains, const SplitBottom& cell);
+
+/// Area of the bottom of a wedge [length^2].
+double floor_area(const SplitBottom& cell);
+
+/// Size of the box at the start: as given, or the cube of its volume fraction [length].
+Vec3 start_size(const Grains& grains, const SimpleShear& shear);
+
+/// Distance of the walls, and height of the box, at the start [length].
+double start_gap(const Grains& grains, const PlaneShear& shear);
+double start_height(const Grains& grains, const BodyForceBox& box);
+
+/// Gap up to which a pair of grains attracts; 0 without cohesion [length].
+double attraction_range(const Scene& scene);
 
 /// Mean flowing mass per unit area of the base [mass/length^2].
 double mass_per_area(const Grains& grains, const Chute& chute);

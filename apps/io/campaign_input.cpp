@@ -61,6 +61,14 @@ Campaign read_campaign(const std::filesystem::path& path) {
   } catch (const ReadError& error) {
     throw InputError(in.message("", "scene", error.what()));
   }
+  const dem::Geometry& geometry = campaign.scene.scene.geometry;
+  if (!std::holds_alternative<dem::Chute>(geometry)) {
+    throw InputError(in.message("",
+                                "scene",
+                                fmt::format("a campaign tilts a chute, and this scene is a {}: run "
+                                            "it with grainlaw dem",
+                                            dem::kind(geometry))));
+  }
   return campaign;
 }
 
@@ -70,7 +78,7 @@ std::string run_name(double tilt) {
 
 SceneFile scene_at(const Campaign& campaign, double tilt) {
   SceneFile file = campaign.scene;
-  file.scene.geometry.inclination = tilt;
+  std::get<dem::Chute>(file.scene.geometry).inclination = tilt;
   file.scene.name = run_name(tilt);
   restate(file,
           {{"", "name", fmt::format("\"{}\"", file.scene.name)},

@@ -138,18 +138,30 @@ bool Section::applies(bool condition) const {
   return state_->listing || condition;
 }
 
+SectionEntry& Section::entry() const {
+  return state_->entry(name_, variant_);
+}
+Section Section::when(std::string_view key, std::string_view word, std::string_view meaning) const {
+  Section section = *this;
+  if (!state_->listing) return section;
+  section.variant_ = fmt::format("{} = \"{}\"", key, word);
+  section.entry().meaning = meaning;
+  section.entry().required = true;
+  return section;
+}
+
 /// Notes that the key exists and converts its value, if it is there.
 template <class T>
 std::optional<T> Section::ask(const Key& key, std::string_view missing) {
   T* const type = nullptr;
-  SectionEntry& entry = state_->entry(name_);
-  if (std::ranges::find(entry.keys, key.name, &KeyEntry::name) == entry.keys.end()) {
-    entry.keys.push_back({std::string(key.name),
-                          type_name(type),
-                          key.unit.text,
-                          key.bounds.text("x"),
-                          std::string(missing),
-                          std::string(key.meaning)});
+  auto& keys = entry().keys;
+  if (std::ranges::find(keys, key.name, &KeyEntry::name) == keys.end()) {
+    keys.push_back({std::string(key.name),
+                    type_name(type),
+                    key.unit.text,
+                    key.bounds.text("x"),
+                    std::string(missing),
+                    std::string(key.meaning)});
   }
   const TomlEntry* found = state_->find(name_, key.name);
   if (found == nullptr) return std::nullopt;
@@ -191,7 +203,7 @@ std::string Section::choice(const Key& key,
                             const std::optional<std::string>& otherwise) {
   std::string word = otherwise ? read_or(key, *otherwise) : read<std::string>(key);
   const std::string allowed = fmt::format("\"{}\"", joined(words, "\", \""));
-  auto& keys = state_->entry(name_).keys;
+  auto& keys = entry().keys;
   std::ranges::find(keys, key.name, &KeyEntry::name)->range = allowed;
   const TomlEntry* found = state_->find(name_, key.name);
   if (found != nullptr && std::holds_alternative<std::string>(found->value.value) &&
@@ -205,29 +217,36 @@ std::string Section::choice(const Key& key,
                                 "known: " + allowed,
                                 name_,
                                 {}});
+    word = guess.empty() ? words.front() : guess;
   }
   return word;
 }
 
 void Section::exactly_one_of(const std::vector<std::string>& keys) {
-  for (KeyEntry& key : state_->entry(name_).keys) {
+  for (KeyEntry& key : entry().keys) {
     if (std::ranges::count(keys, key.name) > 0) {
       key.missing = fmt::format("exactly one of {}", joined(keys, ", "));
     }
   }
-  std::vector<std::string> present;
-  std::ranges::copy_if(
-      keys, std::back_inserter(present), [&](const auto& key) { return has(key); });
-  if (!given() || state_->listing || present.size() == 1) return;
+  at_most_one_of(keys);
+  if (!given() || state_->listing || !present(keys).empty()) return;
   const std::string wanted = fmt::format("give exactly one of {}", joined(keys, ", "));
-  if (present.empty()) {
-    state_->problems.push_back(
-        {state_->place(name_, ""), wanted + " " + title(name_), "none is there", name_, keys});
-  } else {
-    problem(present.back(),
-            fmt::format("{} {} exclude each other", joined(present, " and "), title(name_)),
-            wanted);
-  }
+  state_->problems.push_back(
+      {state_->place(name_, ""), wanted + " " + title(name_), "none is there", name_, keys});
+}
+
+void Section::at_most_one_of(const std::vector<std::string>& keys) {
+  const std::vector<std::string> found = present(keys);
+  if (found.size() < 2) return;
+  problem(found.back(),
+          fmt::format("{} {} exclude each other", joined(found, " and "), title(name_)),
+          fmt::format("give one of {}", joined(keys, ", ")));
+}
+
+std::vector<std::string> Section::present(const std::vector<std::string>& keys) const {
+  std::vector<std::string> found;
+  std::ranges::copy_if(keys, std::back_inserter(found), [&](const auto& key) { return has(key); });
+  return found;
 }
 
 void Section::problem(std::string_view key, std::string text, std::string hint) {

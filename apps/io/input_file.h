@@ -60,13 +60,19 @@ class Section {
   std::optional<T> find(const Key& key, std::string_view note = "optional") {
     return ask<T>(key, note);
   }
-  /// A word out of a list; required unless there is a default.
+  /// A word out of a list; required unless there is a default. For an unknown one the nearest, or
+  /// the first, so that the keys that depend on it can be judged.
   std::string choice(const Key& key,
                      const std::vector<std::string>& words,
                      const std::optional<std::string>& otherwise = {});
 
+  /// This section where a key has a certain value: the key list shows its keys apart.
+  Section when(std::string_view key, std::string_view word, std::string_view meaning) const;
+
   /// Exactly one of these keys, all read before, has to be there.
   void exactly_one_of(const std::vector<std::string>& keys);
+  /// These keys, all read before, exclude each other.
+  void at_most_one_of(const std::vector<std::string>& keys);
   /// Do the keys that follow apply? When listing, all do.
   bool applies(bool condition) const;
   /// Gathers the problem that a key should be there.
@@ -80,6 +86,8 @@ class Section {
 
   template <class T>
   std::optional<T> ask(const Key& key, std::string_view missing);
+  SectionEntry& entry() const;
+  std::vector<std::string> present(const std::vector<std::string>& keys) const;
   static std::string default_text(double value, std::string_view note);
   static std::string default_text(std::int64_t value, std::string_view note);
   static std::string default_text(bool value, std::string_view note);
@@ -87,6 +95,7 @@ class Section {
 
   InputState* state_;
   std::string name_;
+  std::string variant_;  ///< see when(); always empty when a file is read
 };
 
 /// A TOML file that knows where everything stands in it.

@@ -35,10 +35,29 @@ std::string joined(const std::vector<std::string>& words, std::string_view separ
   return out;
 }
 
+namespace {
+
+std::string_view first_word(const SectionEntry& section) {
+  return std::string_view(section.name).substr(0, section.name.find('.'));
+}
+
+/// Sections of one first word behind each other, "contact.normal" before "contact.friction".
+std::vector<SectionEntry> grouped(const std::vector<SectionEntry>& sections) {
+  std::vector<SectionEntry> out;
+  for (const SectionEntry& section : sections) {
+    const auto last = std::ranges::find(out.rbegin(), out.rend(), first_word(section), first_word);
+    out.insert(last == out.rend() ? out.end() : last.base(), section);
+  }
+  return out;
+}
+
+}  // namespace
+
 std::string markdown(const std::vector<SectionEntry>& sections) {
   std::string out;
-  for (const SectionEntry& section : sections) {
-    const std::string title = section.name.empty() ? "Top level" : "`[" + section.name + "]`";
+  for (const SectionEntry& section : grouped(sections)) {
+    std::string title = section.name.empty() ? "Top level" : "`[" + section.name + "]`";
+    if (!section.variant.empty()) title += " with `" + section.variant + "`";
     out += fmt::format("### {}\n\n", title);
     if (!section.meaning.empty()) {
       out += fmt::format("{}{}.\n\n", section.meaning, section.required ? "" : " (optional)");

@@ -62,6 +62,7 @@ struct KeyEntry {
 /// A section as it was asked for. The top level has an empty name.
 struct SectionEntry {
   std::string name;
+  std::string variant;  ///< "kind = \"chute\"": only these keys; empty: always
   std::string meaning;
   bool required = false;
   std::vector<KeyEntry> keys;

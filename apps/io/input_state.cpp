@@ -39,10 +39,13 @@ Place InputState::place(std::string_view section, std::string_view key) const {
       ->place;
 }
 
-SectionEntry& InputState::entry(std::string_view section) {
-  const auto it = std::ranges::find(asked, section, &SectionEntry::name);
+SectionEntry& InputState::entry(std::string_view section, std::string_view variant) {
+  const auto it = std::ranges::find_if(asked, [&](const SectionEntry& known) {
+    return known.name == section && known.variant == variant;
+  });
   if (it != asked.end()) return *it;
-  return asked.emplace_back(SectionEntry{.name = std::string(section), .meaning = {}, .keys = {}});
+  return asked.emplace_back(SectionEntry{
+      .name = std::string(section), .variant = std::string(variant), .meaning = {}, .keys = {}});
 }
 
 std::vector<std::string> InputState::known_keys(std::string_view section) const {

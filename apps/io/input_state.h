@@ -41,7 +41,7 @@ struct InputState {
   const TomlEntry* find(std::string_view section, std::string_view key) const;
   /// Of the key; of its section where the key is absent; of the file where that is absent too.
   Place place(std::string_view section, std::string_view key) const;
-  SectionEntry& entry(std::string_view section);
+  SectionEntry& entry(std::string_view section, std::string_view variant = "");
   std::vector<std::string> known_keys(std::string_view section) const;
   std::vector<std::string> known_sections() const;
   /// Reports every key and section nobody asked for.

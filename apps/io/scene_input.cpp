@@ -3,139 +3,54 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <numbers>
+
+#include "apps/io/scene_laws.h"
+#include "apps/io/start_csv.h"
 
 namespace grainlaw::io {
 namespace {
 
-constexpr double reduced_mass = 0.5;  // of two equal grains, in internal units
-
-Bounds inside(const dem::limits::Interval& interval) {
-  return from_to(interval.least, interval.most);
+/// By which the default times of a measurement are told: about 0.1 of strain where the scene says
+/// how fast it shears.
+double time_scale(const dem::Chute&) {
+  return 1.0;
+}
+double time_scale(const dem::SplitBottom&) {
+  return 1.0;
+}
+double time_scale(const dem::SimpleShear& shear) {
+  return 0.1 / shear.shear_rate;
+}
+double time_scale(const dem::PlaneShear& shear) {
+  return 1.0 / shear.velocity;
+}
+double time_scale(const dem::BodyForceBox& box) {
+  return std::sqrt(dem::Grains{}.density() / box.pressure);
 }
 
-/// Exactly one of three ways to say how a contact dissipates.
-double read_damping(Section& section, const Units& units, double stiffness) {
-  const auto rate = section.find<double>({"damping_rate",
-                                          "gamma_n, times the reduced mass (Brewster et al. 2008)",
-                                          units[dimension::rate],
-                                          not_negative});
-  const auto dashpot = section.find<double>({"dashpot",
-                                             "gamma_n, times the velocity (Shi et al. 2020)",
-                                             units[dimension::dashpot],
-                                             not_negative});
-  const auto restitution = section.find<double>(
-      {"restitution", "normal restitution of a pair", {}, {0.0, 1.0, false, true}});
-  section.exactly_one_of({"damping_rate", "dashpot", "restitution"});
-  if (dashpot) return *dashpot / reduced_mass;
-  if (restitution) return dem::damping_for(*restitution, stiffness, reduced_mass);
-  return rate.value_or(0.0);
-}
-
-dem::Hooke read_normal(InputFile& in, const Units& units) {
-  Section section = in.section("contact.normal", "Normal force between two grains");
-  section.choice({"law", "spring and dashpot, linear in overlap and velocity"}, {"hooke"});
-  const double stiffness = read_stiffness(section, units);
-  return {.stiffness = stiffness, .damping = read_damping(section, units, stiffness)};
-}
-
-std::variant<dem::Frictionless, dem::Sliding> read_friction(InputFile& in,
-                                                            const Units& units,
-                                                            double normal_stiffness) {
-  Section section = in.optional_section(
-      "contact.friction", "Tangential force; without this section grains are frictionless");
-  if (!section.given()) return dem::Frictionless{};
-  dem::Sliding law;
-  section.choice({"law", "tangential spring, cut at the Coulomb limit"}, {"sliding"});
-  law.coefficient = section.read<double>(
-      {"coefficient", "mu_p, static and dynamic; for 0 leave the section out", {}, positive});
-  const Key stiffness{"stiffness", "k_t", units[dimension::stiffness], positive};
-  law.stiffness = section.find<double>(stiffness, "2/7 of the normal stiffness")
-                      .value_or(2.0 / 7.0 * normal_stiffness);
-  law.damping = section.read_or<double>(
-      {"damping_rate", "gamma_t, times the reduced mass", units[dimension::rate], not_negative},
-      0.0);
-  return law;
-}
-
-dem::BumpyBase read_base(InputFile& in) {
-  dem::BumpyBase base;
-  Section section = in.optional_section("geometry.base", "The rough base of a chute");
-  section.choice({"recipe", "\"bumpy\": grains of a slab cut from a random packing, glued"},
-                 {"bumpy"},
-                 "bumpy");
-  base.thickness = section.read_or<double>(
-      {"thickness", "of the slab", {"grain diameter"}, inside(dem::limits::base_thickness)},
-      base.thickness);
-  base.packing_fraction = section.read_or<double>({"packing_fraction",
-                                                   "of the packing it is cut from",
-                                                   {},
-                                                   inside(dem::limits::base_packing_fraction)},
-                                                  base.packing_fraction);
-  return base;
-}
-
-/// Exactly one of the number of grains and a nominal depth.
-int read_grains(Section& section, const Units& units, double area) {
-  const auto grains = section.find<std::int64_t>(
-      {"grains", "number of flowing grains", {}, from_to(1.0, dem::limits::grains)});
-  const auto depth = section.find<double>(
-      {"depth",
-       "nominal depth, gives depth x length x width x 0.57 x 6/(pi d^3) grains",
-       units[dimension::length],
-       positive});
-  section.exactly_one_of({"grains", "depth"});
-  const double number =
-      grains ? static_cast<double>(*grains)
-             : depth.value_or(1.0) * area * dem::nominal_packing * 6.0 / std::numbers::pi;
-  if (!(number <= dem::limits::grains)) {
-    section.problem("depth", fmt::format("{:.3g} grains: at most {}", number, dem::limits::grains));
-    return 0;
-  }
-  return static_cast<int>(std::lround(number));
-}
-
-dem::Chute read_chute(InputFile& in, Section& section, const Units& units) {
-  dem::Chute chute;
-  section.choice({"kind", "\"chute\": inclined layer, periodic along and across the flow"},
-                 {"chute"});
-  chute.inclination = radians(section.read<double>({"inclination",
-                                                    "tilt theta of the base; for a negative one "
-                                                    "mirror the scene",
-                                                    {"degrees"},
-                                                    chute_tilts}));
-  const Bounds period = diameters_or_more(dem::limits::least_period);
-  chute.length = section.read_or<double>(
-      {"length", "period along the flow", units[dimension::length], period}, chute.length, "d");
-  chute.width = section.read_or<double>(
-      {"width", "period across the flow", units[dimension::length], period}, chute.width, "d");
-  chute.grains = read_grains(section, units, chute.length * chute.width);
-  chute.base = read_base(in);
-  return chute;
-}
-
-dem::Measurement read_measurement(InputFile& in, const Units& units) {
+dem::Measurement read_measurement(InputFile& in, const Units& units, const dem::Geometry& flow) {
   dem::Measurement m;
-  Section section = in.optional_section("measurement", "What is averaged, and for how long");
-  const Unit time = units[dimension::time];
-  m.bin_width = section.read_or<double>({"bin_width",
-                                         "height of a bin, at most a third of the nominal depth",
-                                         units[dimension::length],
-                                         diameters_or_more(dem::limits::least_bin_width)},
-                                        m.bin_width,
-                                        "d");
-  m.sample_interval = section.read_or<double>(
-      {"sample_interval", "between two samples", time, positive}, m.sample_interval, "sqrt(d/g)");
-  m.frame_interval =
-      section.read_or<double>({"frame_interval", "samples are summed over it", time, positive},
-                              m.frame_interval,
-                              "sqrt(d/g)");
-  m.averaging_time = section.read_or<double>(
-      {"averaging_time", "wanted steady time", time, positive}, m.averaging_time, "sqrt(d/g)");
-  m.time_limit =
-      section.read_or<double>({"time_limit", "the run ends here, steady or not", time, positive},
-                              m.time_limit,
-                              "sqrt(d/g)");
+  Section section = in.optional_section(
+      "measurement",
+      "What is averaged, and for how long. T is sqrt(d/g); 0.1/shear_rate in a simple shear, "
+      "d/velocity in a plane shear, d sqrt(rho_p/pressure) in a box driven by a body force");
+  m.bin_width = section.read_or<double>(
+      {"bin_width",
+       "height of a bin, at most a third of the nominal depth, distance of walls or height",
+       units[dimension::length],
+       diameters_or_more(dem::limits::least_bin_width)},
+      m.bin_width,
+      "d");
+  const double scale = std::visit([](const auto& shape) { return time_scale(shape); }, flow);
+  const double unit = std::isfinite(scale) ? scale : 1.0;  // a bad number has been reported
+  const auto read = [&](double& value, std::string_view name, std::string_view meaning) {
+    const Key key{name, meaning, units[dimension::time], positive};
+    value = section.find<double>(key, fmt::format("{} T", value)).value_or(value * unit);
+  };
+  read(m.sample_interval, "sample_interval", "between two samples");
+  read(m.frame_interval, "frame_interval", "samples are summed over it");
+  read(m.averaging_time, "averaging_time", "wanted steady time");
+  read(m.time_limit, "time_limit", "the run ends here, steady or not");
   return m;
 }
 
@@ -149,11 +64,7 @@ void read_time(InputFile& in, const Units& units, dem::Scene& scene) {
       {"allow_unstable_step", "accept a step above the shortest contact time / 15"}, false);
 }
 
-/// Every key of a scene file, in the order of the key list.
-dem::Scene read_keys(InputFile& in, Units& units) {
-  dem::Scene scene;
-  Section geometry = in.section("geometry", "The flow");
-  units = read_units(in, geometry);
+void read_top(InputFile& in, dem::Scene& scene) {
   Section top = in.top();
   scene.name = top.read_or<std::string>({"name", "of the run, for messages and reports"},
                                         in.path().stem().string(),
@@ -165,13 +76,66 @@ dem::Scene read_keys(InputFile& in, Units& units) {
                                            {"grain radius"},
                                            between(0.0, dem::limits::overlap)},
                                           scene.max_overlap);
-  const dem::Hooke normal = read_normal(in, units);
-  scene.normal = normal;
-  scene.friction = read_friction(in, units, normal.stiffness);
-  scene.geometry = read_chute(in, geometry, units);
-  scene.measurement = read_measurement(in, units);
-  read_time(in, units, scene);
-  return scene;
+}
+
+void read_sizes(InputFile& in, dem::Grains& grains) {
+  Section section =
+      in.optional_section("grains", "The grains: what the set of units does not fix, and sizes");
+  const dem::limits::Interval& allowed = dem::limits::size_ratio;
+  grains.size_ratio = section.read_or<double>(
+      {"size_ratio",
+       "largest diameter over smallest, between which they are spread uniformly by number",
+       {},
+       from_to(allowed.least, allowed.most)},
+      grains.size_ratio);
+}
+
+/// The file of a given start; empty: none.
+std::string read_start_name(InputFile& in) {
+  Section section = in.optional_section(
+      "start",
+      "Grains to start from, without packing and settling; keys that make a packing are "
+      "then refused");
+  const Key key{"grains",
+                "CSV file, relative to this one: x,y,z, and as needed vx,vy,vz,wx,wy,wz,diameter,"
+                "frozen"};
+  const auto name = section.find<std::string>(key, "required");
+  if (!name) section.report_missing(key);
+  return name.value_or("");
+}
+
+/// What a scene file says, and the file it points to.
+struct Keys {
+  dem::Scene scene;
+  Units units;
+  std::string start;
+};
+
+/// Every key of a scene file, in the order of the key list.
+Keys read_keys(InputFile& in) {
+  Keys keys;
+  read_top(in, keys.scene);
+  Section geometry = in.section("geometry", "The flow");
+  const std::string kind = read_kind(geometry);
+  keys.units = read_scene_units(in, geometry, kind);
+  read_sizes(in, keys.scene.grains);
+  read_laws(in, keys.units, keys.scene);
+  keys.start = read_start_name(in);
+  keys.scene.geometry =
+      read_geometry(in, geometry, kind, keys.units, keys.scene.grains, !keys.start.empty());
+  keys.scene.measurement = read_measurement(in, keys.units, keys.scene.geometry);
+  read_time(in, keys.units, keys.scene);
+  return keys;
+}
+
+/// The grains of the start file; a file that cannot be read is a problem of the key.
+void add_start(const InputFile& in, const Keys& keys, dem::Scene& scene) {
+  try {
+    scene.start = read_start(in.path().parent_path() / keys.start, keys.units);
+  } catch (const ReadError& error) {
+    throw InputError(in.message("start", "grains", error.what()));
+  }
+  std::visit([&](auto& shape) { shape.grains = dem::grains(scene); }, scene.geometry);
 }
 
 /// What only the scene as a whole can tell; the message points at the key it is about.
@@ -192,8 +156,11 @@ void validate(const InputFile& in, const dem::Scene& scene, const Units& units) 
 
 SceneFile read(InputFile in, const SceneOptions& options) {
   SceneFile file;
-  file.scene = read_keys(in, file.units);
+  Keys keys = read_keys(in);
   in.finish();
+  file.scene = std::move(keys.scene);
+  file.units = keys.units;
+  if (!keys.start.empty()) add_start(in, keys, file.scene);
   file.text = in.text();
   file.path = in.path();
   const bool overridden = options.allow_unstable_step && !file.scene.allow_unstable_step;
@@ -203,13 +170,18 @@ SceneFile read(InputFile in, const SceneOptions& options) {
   return file;
 }
 
+std::optional<double> inclination(const dem::Scene& scene) {
+  const auto* chute = std::get_if<dem::Chute>(&scene.geometry);
+  return chute != nullptr ? std::optional(chute->inclination) : std::nullopt;
+}
+
 /// Is the text the scene, as far as programs override it?
 bool says(const std::string& text, const SceneFile& file) {
   try {
     const dem::Scene scene = parse_scene(text, file.path).scene;
     return scene.name == file.scene.name &&
            scene.allow_unstable_step == file.scene.allow_unstable_step &&
-           scene.geometry.inclination == file.scene.geometry.inclination;
+           inclination(scene) == inclination(file.scene);
   } catch (const InputError&) {
     return false;
   } catch (const dem::SceneError&) {
@@ -238,8 +210,7 @@ void restate(SceneFile& file, const std::vector<Override>& overrides) {
 
 std::string scene_keys() {
   InputFile in = InputFile::listing();
-  Units units;
-  read_keys(in, units);
+  read_keys(in);
   return in.key_list();
 }
 

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/io/scene_geometry.h"
 #include "apps/io/scene_text.h"
 #include "apps/io/units.h"
 #include "dem/scene.h"
@@ -18,14 +19,12 @@ struct SceneFile {
   std::filesystem::path path;
 };
 
-/// Tilts of a chute [degrees]: it flows in +x.
-inline constexpr Bounds chute_tilts{.lower = 0.0, .upper = 90.0, .lower_allowed = true};
-
 struct SceneOptions {
   bool allow_unstable_step = false;  ///< as if the scene said so (--allow-step)
 };
 
-/// Reads and validates a scene. A missing section is a missing mechanism.
+/// Reads and validates a scene, and the file of its start, which is relative to `path`. A missing
+/// section is a missing mechanism.
 /// Throws InputError, and dem::StepRefused for a step that would be unstable.
 SceneFile read_scene(const std::filesystem::path& path, const SceneOptions& options = {});
 

@@ -77,6 +77,35 @@ Key stiffness_key(const Units& units) {
   return {"stiffness", "normal contact stiffness k_n", units[dimension::stiffness], positive};
 }
 
+/// What a file says of its units beside gravity.
+struct SetOfUnits {
+  std::string name;
+  double diameter = 1.0;
+  double density = 1.0;
+};
+
+SetOfUnits read_set(InputFile& in) {
+  SetOfUnits read;
+  read.name = in.top().choice(
+      {"units",
+       "set of all numbers in the file: \"grain\" (grain mass m, diameter d, gravity g are 1), "
+       "\"stiffness\" (grain density, diameter, contact stiffness are 1), \"si\" (kg, m, s)"},
+      {"grain", "stiffness", "si"});
+  constexpr auto meaning = "The grains: what the set of units does not fix";
+  Section grains =
+      read.name == "si" ? in.section("grains", meaning) : in.optional_section("grains", meaning);
+  const Key diameter{"diameter", "mean grain diameter d", {"length"}, positive};
+  const Key density{"density", "grain density rho_p", {"mass/length^3"}, positive};
+  read.diameter = read_unless_fixed(grains, read.name, diameter);
+  read.density = read_unless_fixed(grains, read.name, density);
+  return read;
+}
+
+Units units_of(const SetOfUnits& read, double gravity) {
+  if (read.name == "si") return si_units(read.diameter, read.density, gravity);
+  return read.name == "stiffness" ? stiffness_units(gravity) : Units{};
+}
+
 }  // namespace
 
 double Units::size(Dimension d) const {
@@ -116,22 +145,14 @@ Units stiffness_units(double gravity) {
 }
 
 Units read_units(InputFile& in, Section& with_gravity) {
-  const std::string set = in.top().choice(
-      {"units",
-       "set of all numbers in the file: \"grain\" (grain mass m, diameter d, gravity g are 1), "
-       "\"stiffness\" (grain density, diameter, contact stiffness are 1), \"si\" (kg, m, s)"},
-      {"grain", "stiffness", "si"});
-  constexpr auto meaning = "The grains: what the set of units does not fix";
-  Section grains =
-      set == "si" ? in.section("grains", meaning) : in.optional_section("grains", meaning);
-  const Key diameter{"diameter", "mean grain diameter d", {"length"}, positive};
-  const Key density{"density", "grain density rho_p", {"mass/length^3"}, positive};
+  const SetOfUnits read = read_set(in);
   const Key gravity{"gravity", "g", {"length/time^2"}, positive};
-  const double d = read_unless_fixed(grains, set, diameter);
-  const double rho_p = read_unless_fixed(grains, set, density);
-  const double g = read_unless_fixed(with_gravity, set, gravity);
-  if (set == "si") return si_units(d, rho_p, g);
-  return set == "stiffness" ? stiffness_units(g) : Units{};
+  return units_of(read, read_unless_fixed(with_gravity, read.name, gravity));
+}
+
+Units read_units(InputFile& in) {
+  const SetOfUnits read = read_set(in);
+  return units_of(read, read.name == "si" ? 9.81 : 1.0);
 }
 
 std::optional<double> find_stiffness(Section& section, const Units& units) {

@@ -27,6 +27,9 @@ inline constexpr Dimension temperature{0, 2, -2};
 inline constexpr Dimension acceleration{0, 1, -2};
 inline constexpr Dimension force{1, 1, -2};
 inline constexpr Dimension stiffness{1, 0, -2};
+inline constexpr Dimension tension{1, 0, -2};  ///< force/length
+inline constexpr Dimension energy{1, 2, -2};
+inline constexpr Dimension volume{0, 3, 0};
 inline constexpr Dimension dashpot{1, 0, -1};
 inline constexpr Dimension density{1, -3, 0};
 inline constexpr Dimension mass_per_area{1, -2, 0};
@@ -61,6 +64,10 @@ Units si_units(double diameter, double density, double gravity);
 /// Reads `units`, [grains] and the key `gravity` of a section, and refuses keys that the named set
 /// already fixes (a diameter in units of diameters).
 Units read_units(InputFile& in, Section& with_gravity);
+
+/// The same where nothing falls: the unit of time of the file is kept, and in SI 9.81 m/s^2 takes
+/// the place of g in the internal one.
+Units read_units(InputFile& in);
 
 /// The key `stiffness`, which the set "stiffness" fixes, in internal units.
 std::optional<double> find_stiffness(Section& section, const Units& units);
