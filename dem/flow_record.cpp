@@ -131,7 +131,7 @@ void FlowRecord::restore(const Checkpoint& from) {
                        .centre_of_mass = frames[at + 3],
                        .kinetic_energy = frames[at + 4],
                        .bins = std::vector<BinMoments>(bins)};
-    std::memcpy(frame.bins.data(), &frames[at + 5], bins * sizeof(BinMoments));
+    std::memcpy(static_cast<void*>(frame.bins.data()), &frames[at + 5], bins * sizeof(BinMoments));
     data_.frames.frames.push_back(std::move(frame));
   }
   width_sum_ = entry(from.numbers, "record/sums", 1)[0];
