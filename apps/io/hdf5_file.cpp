@@ -60,6 +60,10 @@ Handle properties_without_times(hid_t kind) {
   return list;
 }
 
+/// Files in memory need a name. HDF5 refuses to open one whose name is that of a real file, and no
+/// file can be inside a device.
+constexpr const char* memory_name = "/dev/null/grainlaw";
+
 Handle memory_file_access() {
   constexpr std::size_t increment = 1 << 20;
   Handle access = created(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "H5Pcreate");
@@ -128,7 +132,7 @@ Hdf5Writer::Hdf5Writer() {
   const Handle creation = properties_without_times(H5P_FILE_CREATE);
   const Handle access = memory_file_access();
   // With the core driver and no backing store the name never reaches the disk.
-  file_ = H5Fcreate("grainlaw", H5F_ACC_TRUNC, creation, access);
+  file_ = H5Fcreate(memory_name, H5F_ACC_TRUNC, creation, access);
   require(file_, "H5Fcreate");
 }
 
@@ -187,7 +191,7 @@ Hdf5Reader::Hdf5Reader(std::string_view bytes, std::string name)
   // HDF5 copies the image and does not write to it, whatever its interface says.
   require(H5Pset_file_image(access, const_cast<char*>(bytes.data()), bytes.size()),
           "H5Pset_file_image");
-  file_ = H5Fopen("grainlaw", H5F_ACC_RDONLY, access);
+  file_ = H5Fopen(memory_name, H5F_ACC_RDONLY, access);
   check(file_, "the HDF5 part");
 }
 
