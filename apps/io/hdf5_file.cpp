@@ -110,8 +110,10 @@ void write_dataset(hid_t file,
                    const Shape& shape) {
   const Handle space = space_of(shape);
   const Handle properties = properties_without_times(H5P_DATASET_CREATE);
+  const Handle links = created(H5Pcreate(H5P_LINK_CREATE), H5Pclose, "H5Pcreate");
+  require(H5Pset_create_intermediate_group(links, 1), "H5Pset_create_intermediate_group");
   const Handle dataset =
-      created(H5Dcreate2(file, path.c_str(), stored, space, H5P_DEFAULT, properties, H5P_DEFAULT),
+      created(H5Dcreate2(file, path.c_str(), stored, space, links, properties, H5P_DEFAULT),
               H5Dclose,
               path);
   if (values != nullptr)
@@ -219,6 +221,19 @@ Handle open_attribute(hid_t file,
   return fits ? std::move(attribute) : Handle(-1, H5Aclose);
 }
 
+/// Name of the k-th link of a group; empty when HDF5 fails.
+std::string link_name(hid_t group, hsize_t k) {
+  const auto name = [&](char* to, std::size_t room) {
+    return H5Lget_name_by_idx(group, ".", H5_INDEX_NAME, H5_ITER_INC, k, to, room, H5P_DEFAULT);
+  };
+  const ssize_t length = name(nullptr, 0);
+  if (length < 0) return {};
+  std::string text(static_cast<std::size_t>(length) + 1, '\0');  // HDF5 ends it with a zero
+  if (name(text.data(), text.size()) < 0) return {};
+  text.pop_back();
+  return text;
+}
+
 std::string without_padding(std::string text) {
   while (!text.empty() && text.back() == '\0') text.pop_back();
   return text;
@@ -272,6 +287,27 @@ Shape Hdf5Reader::shape(const std::string& path) const {
   std::vector<hsize_t> lengths(static_cast<std::size_t>(rank));
   check(H5Sget_simple_extent_dims(space, lengths.data(), nullptr), path);
   return {lengths.begin(), lengths.end()};
+}
+
+std::vector<std::string> Hdf5Reader::names(const std::string& path) const {
+  const Handle group(H5Gopen2(file_, path.c_str(), H5P_DEFAULT), H5Gclose);
+  check(group, path);
+  H5G_info_t info{};
+  check(H5Gget_info(group, &info), path);
+  std::vector<std::string> names;
+  for (hsize_t k = 0; k < info.nlinks; ++k) {
+    const std::string name = link_name(group, k);
+    const Handle object(H5Oopen(group, name.c_str(), H5P_DEFAULT), H5Oclose);
+    check(object, path + "/" + name);
+    if (H5Iget_type(object) != H5I_GROUP) {
+      names.push_back(name);
+    } else {
+      for (const std::string& inner : this->names(path + "/" + name)) {
+        names.push_back(name + "/" + inner);
+      }
+    }
+  }
+  return names;
 }
 
 namespace {
