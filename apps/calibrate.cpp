@@ -17,6 +17,7 @@
 #include "apps/io/safe_write.h"
 #include "apps/program.h"
 #include "apps/scene_run.h"
+#include "dem/run.h"
 
 namespace grainlaw {
 namespace {
