@@ -17,6 +17,7 @@
 #include "apps/io/safe_write.h"
 #include "apps/program.h"
 #include "apps/scene_run.h"
+#include "dem/run.h"
 
 namespace grainlaw {
 namespace {
@@ -28,6 +29,7 @@ struct Arguments {
   std::string campaign;
   std::string output = "calibration-report";
   std::vector<std::string> from;
+  double max_wall = 0.0;  ///< [s]; 0: no limit
 };
 
 double seconds_since(steady_clock::time_point start) {
@@ -248,10 +250,13 @@ ExitCode calibrate(const Arguments& arguments, const CommonOptions& options) {
   const fs::path directory = arguments.output;
   const DirectoryLock lock(directory);
   catch_stop_signals();
+  if (arguments.max_wall > 0.0) stop_after(arguments.max_wall);
   Runs runs = arguments.from.empty() ? measure(campaign, directory, options.threads, options.quiet)
                                      : gather(campaign, arguments.from);
   if (stop_requested()) {
-    say("grainlaw calibrate: stopped; finished runs are in " + (directory / "runs").string());
+    say(fmt::format("grainlaw calibrate: stopped {}; the same command goes on with the runs in {}",
+                    stop_reason(),
+                    (directory / "runs").string()));
     return ExitCode::stopped;
   }
   warn_of_few_samples(runs);
@@ -285,6 +290,8 @@ int main(int argc, char** argv) {
   line.required("CAMPAIGN.toml", arguments.campaign, "the campaign");
   line.option("-o,--output", arguments.output, "folder for results (default: calibration-report)");
   line.option_list("--from", arguments.from, "finished runs (RUN.h5) to use instead of running");
+  line.duration("--max-wall", arguments.max_wall, "stop with checkpoints after this wall time");
+  line.threads("runs at once, one thread each (default: cores)", 0);
   if (const auto code = line.parse(argc, argv)) return *code;
   return run_program("grainlaw calibrate", [&] { return calibrate(arguments, options); });
 }

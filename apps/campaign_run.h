@@ -20,8 +20,10 @@ struct CampaignRun {
 };
 
 /// Runs the scenes in their order, `threads` at a time, one thread each; local data go to
-/// DIR/NAME.h5. A run whose physics fails is reported in its result and the others go on; a disk or
-/// memory failure ends them all and is thrown.
+/// DIR/NAME.h5, checkpoints beside them. A run whose physics fails is reported in its result and
+/// the others go on; a disk or memory failure ends them all and is thrown. After an interruption
+/// (signal, --max-wall, kill) runs that were finished are taken as they are, and the others go on
+/// from their checkpoints.
 std::vector<CampaignRun> run_scenes(const std::vector<io::SceneFile>& scenes,
                                     const std::filesystem::path& directory,
                                     int threads,

@@ -1,9 +1,33 @@
 #include "apps/command_line.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <charconv>
+#include <cmath>
 #include <thread>
 
 namespace grainlaw {
+namespace {
+
+struct DurationUnit {
+  std::string_view name;
+  double seconds;
+};
+constexpr DurationUnit duration_units[] = {{"", 1.0}, {"s", 1.0}, {"min", 60.0}, {"h", 3600.0}};
+
+}  // namespace
+
+std::optional<double> duration_seconds(std::string_view text) {
+  double value = 0.0;
+  const char* const end = text.data() + text.size();
+  const auto [rest, error] = std::from_chars(text.data(), end, value);
+  if (error != std::errc{} || !std::isfinite(value) || value <= 0.0) return std::nullopt;
+  const std::string_view unit(rest, static_cast<std::size_t>(end - rest));
+  for (const auto& [name, seconds] : duration_units) {
+    if (unit == name) return value * seconds;
+  }
+  return std::nullopt;
+}
 
 struct CommandLine::Parser {
   CLI::App app;
@@ -23,7 +47,7 @@ CommandLine::CommandLine(const std::string& program,
   app.add_flag("--check", common.check, "say what would run; run nothing");
   app.add_flag("--json", common.json, "summary as one JSON object on stdout");
   app.add_flag("--quiet", common.quiet, "no progress and no summary");
-  app.add_option("--threads", common.threads, "runs of a campaign at once (default: cores)")
+  app.add_option("--threads", common.threads, "threads (default: as many as there are cores)")
       ->check(CLI::Range(1, 1024));
 }
 
@@ -54,6 +78,23 @@ void CommandLine::option_list(const std::string& name,
                               std::vector<std::string>& target,
                               const std::string& help) {
   parser_->app.add_option(name, target, help);
+}
+
+void CommandLine::duration(const std::string& name, double& seconds, const std::string& help) {
+  const auto read = [name, &seconds](const std::string& text) {
+    const std::optional<double> value = duration_seconds(text);
+    if (!value) {
+      throw CLI::ValidationError(
+          name, "'" + text + "' is no duration above 0: 90s, 10min, 2h or a number of seconds");
+    }
+    seconds = *value;
+  };
+  parser_->app.add_option_function<std::string>(name, read, help)->type_name("DURATION");
+}
+
+void CommandLine::threads(const std::string& help, int otherwise) {
+  parser_->app.get_option("--threads")->description(help);
+  parser_->common.threads = otherwise;
 }
 
 std::optional<int> CommandLine::parse(int argc, char** argv) {

@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "apps/exit_code.h"
@@ -14,8 +15,12 @@ struct CommonOptions {
   bool check = false;  ///< validate the input, say what would be done, run nothing
   bool json = false;   ///< summary as one JSON object on stdout
   bool quiet = false;  ///< no progress, no summary; errors still go to stderr
-  int threads = 0;     ///< 0: as many as the machine has
+  int threads = 0;     ///< 0 before the command line is read: as many as the machine has
 };
+
+/// Seconds of "90s", "10min", "2h" or a plain number of seconds; absent when the text is something
+/// else or not above 0.
+std::optional<double> duration_seconds(std::string_view text);
 
 /// The command line of one program.
 class CommandLine {
@@ -38,6 +43,11 @@ class CommandLine {
   void option_list(const std::string& name,
                    std::vector<std::string>& target,
                    const std::string& help);
+
+  /// A duration above 0, given as "90s", "10min", "2h" or a number of seconds [s].
+  void duration(const std::string& name, double& seconds, const std::string& help);
+  /// What --threads means here and how many they are unless said otherwise.
+  void threads(const std::string& help, int otherwise);
 
   /// Empty: go on. Otherwise the program ends with this code (help shown, or a usage error).
   std::optional<int> parse(int argc, char** argv);

@@ -1,7 +1,10 @@
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <thread>
 
+#include "apps/checkpointed_run.h"
 #include "apps/command_line.h"
 #include "apps/io/local_data_hdf5.h"
 #include "apps/program.h"
@@ -11,41 +14,94 @@
 namespace grainlaw {
 namespace {
 
-std::string progress_text(const dem::Progress& now) {
+namespace fs = std::filesystem;
+
+struct Arguments {
+  std::string scene;
+  std::string output;
+  bool allow_step = false;
+  bool resume = false;
+  double max_wall = 0.0;              ///< [s]; 0: no limit
+  double checkpoint_interval = 60.0;  ///< [s]
+};
+
+std::string progress_text(const dem::Progress& now, const Pace& pace) {
   if (now.settling) return "packing and settling";
-  return fmt::format("t = {:.0f} of about {:.0f}, mean velocity {:.2f}, {:.0f} steps/s, {} left",
-                     now.time,
-                     now.expected_end,
-                     now.mean_velocity,
-                     static_cast<double>(now.steps) / now.wall_seconds,
-                     duration_text(seconds_left(now)));
+  std::string text = fmt::format("t = {:.0f} of about {:.0f}, mean velocity {:.2f}",
+                                 now.time,
+                                 now.expected_end,
+                                 now.mean_velocity);
+  const double rate = pace.grain_steps_per_second();
+  if (rate <= 0.0) return text;
+  return text + fmt::format(", {:.3g} M grain-steps/s, {} left",
+                            rate / 1e6,
+                            duration_text(pace.seconds_left()));
 }
 
-ExitCode run(const std::string& scene_path,
-             std::string output,
-             bool allow_step,
-             const CommonOptions& options) {
-  const io::SceneFile file = io::read_scene(scene_path, {.allow_unstable_step = allow_step});
+/// Threads beyond the cores would only wait for each other; the result is the same with any number.
+int usable_threads(int asked) {
+  const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  if (asked <= cores) return asked;
+  say(fmt::format("--threads {}: this machine has {} cores, {} are used", asked, cores, cores));
+  return cores;
+}
+
+std::string resume_command(const Arguments& arguments) {
+  return fmt::format("grainlaw dem {} -o {}{} --resume",
+                     arguments.scene,
+                     arguments.output,
+                     arguments.allow_step ? " --allow-step" : "");
+}
+
+SceneRun run_with_progress(const io::SceneFile& file,
+                           const Arguments& arguments,
+                           const CommonOptions& options) {
+  ProgressLine line(options.quiet);
+  return run_scene(file,
+                   arguments.output,
+                   {.start = arguments.resume ? Start::resume : Start::anew,
+                    .threads = usable_threads(options.threads),
+                    .checkpoint_interval = arguments.checkpoint_interval},
+                   {.progress = [&](const dem::Progress& now,
+                                    const Pace& pace) { line.show(progress_text(now, pace)); },
+                    .note = [&](const std::string& text) { line.warn("grainlaw dem: " + text); }});
+}
+
+Summary summarise(const SceneRun& run, const std::string& output) {
+  Summary summary = describe(run.data);
+  summary.add("grain_steps_per_second", "grain steps per second", run.grain_steps_per_second);
+  summary.add("threads", "threads", static_cast<long>(run.threads));
+  summary.add("resumed", "went on from a checkpoint", run.resumed);
+  summary.add("output", "local data", output);
+  summary.add("digest", "digest of all but /run", io::digest(output));
+  return summary;
+}
+
+ExitCode run(Arguments arguments, const CommonOptions& options) {
+  const io::SceneFile file =
+      io::read_scene(arguments.scene, {.allow_unstable_step = arguments.allow_step});
   if (options.check) {
     print(check_scene(file), options);
     return ExitCode::answered;
   }
-  if (output.empty()) output = std::filesystem::path(scene_path).stem().string() + ".h5";
-  refuse_overwriting_input(output, {scene_path});
+  std::string& output = arguments.output;
+  if (output.empty()) output = fs::path(arguments.scene).stem().string() + ".h5";
+  refuse_overwriting_input(output, {arguments.scene});
   require_writable(output);  // now, not after a long run
   catch_stop_signals();
-  ProgressLine progress(options.quiet);
-  const dem::LocalData data =
-      run_scene(file, output, [&](const dem::Progress& now) { progress.show(progress_text(now)); });
-  Summary summary = describe(data);
-  summary.add("output", "local data", output);
-  summary.add("digest", "digest of all but /run", io::digest(output));
-  print(summary, options);
-  if (stop_requested()) {
-    say("grainlaw dem: stopped; what was measured so far is in " + output);
+  if (arguments.max_wall > 0.0) stop_after(arguments.max_wall);
+  const SceneRun result = run_with_progress(file, arguments, options);
+  print(summarise(result, output), options);
+  if (result.stopped) {
+    say(fmt::format("grainlaw dem: stopped {}; what was measured so far is in {}; to go on:\n  {}",
+                    stop_reason(),
+                    output,
+                    resume_command(arguments)));
     return ExitCode::stopped;
   }
-  if (!data.window.steady) throw NoAnswer("no steady state: " + data.window.reason);
+  if (!result.data.window.steady) {
+    throw NoAnswer("no steady state: " + result.data.window.reason);
+  }
   return ExitCode::answered;
 }
 
@@ -56,16 +112,21 @@ int main(int argc, char** argv) {
   using namespace grainlaw;
   CommonOptions options;
   CommandLine line("grainlaw-dem",
-                   "Runs one DEM scene and writes local data with standard errors.\n"
-                   "One scene runs on one thread; campaigns run several scenes at once.",
-                   "  grainlaw dem data/scenes/chute.toml -o chute.h5",
+                   "Runs one DEM scene and writes local data with standard errors. Checkpoints\n"
+                   "are kept beside them until the run is finished.",
+                   "  grainlaw dem data/scenes/chute.toml -o chute.h5\n"
+                   "  grainlaw dem data/scenes/chute.toml -o chute.h5 --max-wall 2h --resume",
                    options);
-  std::string scene;
-  std::string output;
-  bool allow_step = false;
-  line.required("SCENE.toml", scene, "the scene");
-  line.flag("--allow-step", allow_step, "accept a time step above the stability limit");
-  line.option("-o,--output", output, "local data file (default: name of the scene + .h5)");
+  Arguments arguments;
+  line.required("SCENE.toml", arguments.scene, "the scene");
+  line.flag("--allow-step", arguments.allow_step, "accept a time step above the stability limit");
+  line.option("-o,--output", arguments.output, "local data file (default: scene name + .h5)");
+  line.flag("--resume", arguments.resume, "go on from the newest checkpoint of this output");
+  line.duration("--max-wall", arguments.max_wall, "stop with a checkpoint after this wall time");
+  line.duration("--checkpoint-interval",
+                arguments.checkpoint_interval,
+                "wall time between two checkpoints (default: 60s)");
+  line.threads("of the engine (default: 1)", 1);
   if (const auto code = line.parse(argc, argv)) return *code;
-  return run_program("grainlaw dem", [&] { return run(scene, output, allow_step, options); });
+  return run_program("grainlaw dem", [&] { return run(arguments, options); });
 }

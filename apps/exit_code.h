@@ -10,7 +10,7 @@ enum class ExitCode : int {
   bad_input = 1,  ///< input or usage
   no_answer = 2,  ///< no steady state, not converged, or a step refused; the reason is printed
   resource = 3,   ///< disk or memory
-  stopped = 4,    ///< by signal; what was measured so far is written
+  stopped = 4,    ///< by signal or --max-wall; checkpoint and what was measured are written
 };
 
 /// The question was understood and has no answer; what() is the reason.

@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
+#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <cstring>
@@ -20,8 +22,11 @@
 namespace grainlaw {
 namespace {
 
+using std::chrono::steady_clock;
+
 std::atomic<bool> stop_flag = false;  // written by a signal, read by worker threads
 static_assert(std::atomic<bool>::is_always_lock_free);
+std::atomic<steady_clock::time_point> stop_time = steady_clock::time_point::max();
 
 int fail(const char* program, ExitCode code, const char* message) {
   // Input errors carry file:line:column first, as compilers do, so that editors can jump there.
@@ -60,10 +65,21 @@ void catch_stop_signals() {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     std::signal(signal, [](int) { stop_flag = true; });
   }
+  std::signal(SIGXFSZ, SIG_IGN);
+}
+
+void stop_after(double seconds) {
+  constexpr double longest = 1e9;  // [s], more than the clock needs to be safe from overflow
+  const std::chrono::duration<double> wait(std::min(seconds, longest));
+  stop_time = steady_clock::now() + std::chrono::duration_cast<steady_clock::duration>(wait);
 }
 
 bool stop_requested() {
-  return stop_flag;
+  return stop_flag || steady_clock::now() >= stop_time.load();
+}
+
+const char* stop_reason() {
+  return stop_flag ? "by a signal" : "because --max-wall is over";
 }
 
 void refuse_overwriting_input(const std::string& output, const std::vector<std::string>& inputs) {

@@ -16,9 +16,18 @@ int run_program(const char* name, const std::function<ExitCode()>& body);
 /// Writes a line to stderr; a closed or full stderr is no reason to end a run.
 void say(std::string_view line);
 
-/// From here on SIGINT, SIGTERM and SIGHUP set a flag instead of ending the process.
+/// From here on SIGINT, SIGTERM and SIGHUP set a flag instead of ending the process, and a limit on
+/// the size of files makes writing fail instead.
 void catch_stop_signals();
+
+/// Asks to stop this many seconds from now (--max-wall).
+void stop_after(double seconds);
+
+/// By a signal or because the time is up.
 bool stop_requested();
+
+/// "by a signal" or "because --max-wall is over".
+const char* stop_reason();
 
 /// Throws io::InputError when an output path names one of the inputs.
 void refuse_overwriting_input(const std::string& output, const std::vector<std::string>& inputs);

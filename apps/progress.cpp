@@ -55,8 +55,11 @@ void ProgressLine::show(const std::string& text) {
 }
 
 void ProgressLine::report(const std::string& text) {
+  if (!quiet_) warn(text);
+}
+
+void ProgressLine::warn(const std::string& text) {
   const std::lock_guard lock(mutex_);
-  if (quiet_) return;
   clear();
   say(text);
 }

@@ -17,6 +17,7 @@ class ProgressLine {
 
   void show(const std::string& text);    ///< shown when it is time for it
   void report(const std::string& text);  ///< a line that stays
+  void warn(const std::string& text);    ///< the same, also when quiet
 
  private:
   void clear();

@@ -6,9 +6,8 @@
 #include <cmath>
 #include <limits>
 
-#include "apps/io/local_data_hdf5.h"
-#include "apps/program.h"
 #include "apps/progress.h"
+#include "dem/run.h"
 
 namespace grainlaw {
 namespace {
@@ -76,27 +75,6 @@ Summary check_scene(const io::SceneFile& file) {
   summary.add("run_time_shortest", "run time, at least", duration_text(least));
   summary.add("run_time_longest", "run time, at most", duration_text(longest));
   return summary;
-}
-
-dem::LocalData run_scene(const io::SceneFile& file,
-                         const std::filesystem::path& output,
-                         const ShowProgress& show) {
-  dem::LocalData data = dem::run(file.scene, [&](const dem::Progress& now) {
-    show(now);
-    return !stop_requested();
-  });
-  io::write_local_data(data, file, output);
-  return data;
-}
-
-double share_done(const dem::Progress& now) {
-  if (now.settling || now.expected_end <= 0.0) return 0.0;
-  return std::clamp(now.time / now.expected_end, 0.0, 1.0);
-}
-
-double seconds_left(const dem::Progress& now) {
-  const double share = share_done(now);
-  return share > 0.0 ? now.wall_seconds * (1.0 / share - 1.0) : 0.0;
 }
 
 std::string outcome_line(const dem::LocalData& data) {

@@ -60,6 +60,10 @@ Handle properties_without_times(hid_t kind) {
   return list;
 }
 
+/// Files in memory need a name. HDF5 refuses to open one whose name is that of a real file, and no
+/// file can be inside a device.
+constexpr const char* memory_name = "/dev/null/grainlaw";
+
 Handle memory_file_access() {
   constexpr std::size_t increment = 1 << 20;
   Handle access = created(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "H5Pcreate");
@@ -106,8 +110,10 @@ void write_dataset(hid_t file,
                    const Shape& shape) {
   const Handle space = space_of(shape);
   const Handle properties = properties_without_times(H5P_DATASET_CREATE);
+  const Handle links = created(H5Pcreate(H5P_LINK_CREATE), H5Pclose, "H5Pcreate");
+  require(H5Pset_create_intermediate_group(links, 1), "H5Pset_create_intermediate_group");
   const Handle dataset =
-      created(H5Dcreate2(file, path.c_str(), stored, space, H5P_DEFAULT, properties, H5P_DEFAULT),
+      created(H5Dcreate2(file, path.c_str(), stored, space, links, properties, H5P_DEFAULT),
               H5Dclose,
               path);
   if (values != nullptr)
@@ -128,7 +134,7 @@ Hdf5Writer::Hdf5Writer() {
   const Handle creation = properties_without_times(H5P_FILE_CREATE);
   const Handle access = memory_file_access();
   // With the core driver and no backing store the name never reaches the disk.
-  file_ = H5Fcreate("grainlaw", H5F_ACC_TRUNC, creation, access);
+  file_ = H5Fcreate(memory_name, H5F_ACC_TRUNC, creation, access);
   require(file_, "H5Fcreate");
 }
 
@@ -187,7 +193,7 @@ Hdf5Reader::Hdf5Reader(std::string_view bytes, std::string name)
   // HDF5 copies the image and does not write to it, whatever its interface says.
   require(H5Pset_file_image(access, const_cast<char*>(bytes.data()), bytes.size()),
           "H5Pset_file_image");
-  file_ = H5Fopen("grainlaw", H5F_ACC_RDONLY, access);
+  file_ = H5Fopen(memory_name, H5F_ACC_RDONLY, access);
   check(file_, "the HDF5 part");
 }
 
@@ -213,6 +219,19 @@ Handle open_attribute(hid_t file,
   const Handle type(H5Aget_type(attribute), H5Tclose);
   const bool fits = H5Sget_simple_extent_npoints(space) == 1 && H5Tget_class(type) == kind;
   return fits ? std::move(attribute) : Handle(-1, H5Aclose);
+}
+
+/// Name of the k-th link of a group; empty when HDF5 fails.
+std::string link_name(hid_t group, hsize_t k) {
+  const auto name = [&](char* to, std::size_t room) {
+    return H5Lget_name_by_idx(group, ".", H5_INDEX_NAME, H5_ITER_INC, k, to, room, H5P_DEFAULT);
+  };
+  const ssize_t length = name(nullptr, 0);
+  if (length < 0) return {};
+  std::string text(static_cast<std::size_t>(length) + 1, '\0');  // HDF5 ends it with a zero
+  if (name(text.data(), text.size()) < 0) return {};
+  text.pop_back();
+  return text;
 }
 
 std::string without_padding(std::string text) {
@@ -268,6 +287,27 @@ Shape Hdf5Reader::shape(const std::string& path) const {
   std::vector<hsize_t> lengths(static_cast<std::size_t>(rank));
   check(H5Sget_simple_extent_dims(space, lengths.data(), nullptr), path);
   return {lengths.begin(), lengths.end()};
+}
+
+std::vector<std::string> Hdf5Reader::names(const std::string& path) const {
+  const Handle group(H5Gopen2(file_, path.c_str(), H5P_DEFAULT), H5Gclose);
+  check(group, path);
+  H5G_info_t info{};
+  check(H5Gget_info(group, &info), path);
+  std::vector<std::string> names;
+  for (hsize_t k = 0; k < info.nlinks; ++k) {
+    const std::string name = link_name(group, k);
+    const Handle object(H5Oopen(group, name.c_str(), H5P_DEFAULT), H5Oclose);
+    check(object, path + "/" + name);
+    if (H5Iget_type(object) != H5I_GROUP) {
+      names.push_back(name);
+    } else {
+      for (const std::string& inner : this->names(path + "/" + name)) {
+        names.push_back(name + "/" + inner);
+      }
+    }
+  }
+  return names;
 }
 
 namespace {

@@ -21,7 +21,8 @@ class Hdf5Lock {
 };
 
 /// An HDF5 file built in memory (core driver): the disk sees it only whole, through safe_write.
-/// Every function throws FileError when HDF5 reports a failure.
+/// Every function throws FileError when HDF5 reports a failure. A dataset makes the groups of its
+/// path.
 class Hdf5Writer {
  public:
   Hdf5Writer();
@@ -56,6 +57,8 @@ class Hdf5Reader {
   std::string text(const std::string& object, const std::string& name) const;
   std::string text(const std::string& dataset) const;
   Shape shape(const std::string& path) const;
+  /// Datasets in a group and the groups inside it, by their paths from there.
+  std::vector<std::string> names(const std::string& group) const;
   std::vector<double> numbers(const std::string& path, const Shape& expected) const;
   std::vector<std::int64_t> integers(const std::string& path, const Shape& expected) const;
 

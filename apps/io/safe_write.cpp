@@ -59,6 +59,10 @@ int write_all(int file, std::string_view bytes) {
   return 0;
 }
 
+std::filesystem::path folder_of(const std::filesystem::path& path) {
+  return path.has_parent_path() ? path.parent_path() : ".";
+}
+
 /// Makes the new name itself durable. File systems that cannot sync a directory say EINVAL.
 void sync_directory(const std::filesystem::path& directory) {
   const FileDescriptor file(::open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
@@ -83,6 +87,33 @@ void write_in_place(const std::filesystem::path& path, std::string_view bytes) {
   if (const int error = write_all(file.id(), bytes)) fail("write", path, error);
 }
 
+/// Writes the bytes under another name, then gives them theirs. The file that was there gets the
+/// name `previous`, unless that is empty.
+void replace(const std::filesystem::path& path,
+             std::string_view bytes,
+             const std::filesystem::path& previous) {
+  TemporaryFile temporary;
+  FileDescriptor file = create_beside(path, temporary.path);
+  if (const int error = write_all(file.id(), bytes)) fail("write", path, error);
+  if (::fsync(file.id()) != 0) fail("write", path, errno);
+  if (file.close() != 0) fail("write", path, errno);
+  if (!previous.empty() && std::rename(path.c_str(), previous.c_str()) != 0 && errno != ENOENT) {
+    fail("rename", path, errno);
+  }
+  if (std::rename(temporary.path.c_str(), path.c_str()) != 0) fail("write", path, errno);
+  temporary.kept = true;
+  sync_directory(folder_of(path));
+}
+
+/// "1234.0.tmp", as create_beside names files.
+bool is_temporary_ending(std::string_view text) {
+  constexpr std::string_view ending = ".tmp";
+  if (!text.ends_with(ending)) return false;
+  text.remove_suffix(ending.size());
+  return text.find('.') != std::string_view::npos &&
+         text.find_first_not_of("0123456789.") == std::string_view::npos;
+}
+
 }  // namespace
 
 void safe_write(const std::filesystem::path& target, std::string_view bytes) {
@@ -96,14 +127,24 @@ void safe_write(const std::filesystem::path& target, std::string_view bytes) {
   const bool link =
       kind == std::filesystem::file_type::regular && std::filesystem::is_symlink(target, unknown);
   const std::filesystem::path path = link ? std::filesystem::canonical(target, unknown) : target;
-  TemporaryFile temporary;
-  FileDescriptor file = create_beside(path, temporary.path);
-  if (const int error = write_all(file.id(), bytes)) fail("write", path, error);
-  if (::fsync(file.id()) != 0) fail("write", path, errno);
-  if (file.close() != 0) fail("write", path, errno);
-  if (std::rename(temporary.path.c_str(), path.c_str()) != 0) fail("write", path, errno);
-  temporary.kept = true;
-  sync_directory(path.has_parent_path() ? path.parent_path() : ".");
+  replace(path, bytes, {});
+}
+
+void safe_write_keeping(const std::filesystem::path& previous,
+                        const std::filesystem::path& path,
+                        std::string_view bytes) {
+  replace(path, bytes, previous);
+}
+
+void remove_temporaries(const std::filesystem::path& path) {
+  const std::string prefix = path.filename().string() + ".";
+  std::error_code none;
+  for (const auto& entry : std::filesystem::directory_iterator(folder_of(path), none)) {
+    const std::string name = entry.path().filename().string();
+    if (name.starts_with(prefix) && is_temporary_ending(name.substr(prefix.size()))) {
+      std::filesystem::remove(entry.path(), none);
+    }
+  }
 }
 
 std::string read_file(const std::filesystem::path& path, std::size_t largest) {

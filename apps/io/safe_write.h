@@ -14,6 +14,16 @@ namespace grainlaw::io {
 /// Throws FileError with path and system error.
 void safe_write(const std::filesystem::path& path, std::string_view bytes);
 
+/// Same, and the file that was there gets the name `previous`: at every moment one of the two is
+/// there and complete. The parent folder of both is the same.
+void safe_write_keeping(const std::filesystem::path& previous,
+                        const std::filesystem::path& path,
+                        std::string_view bytes);
+
+/// Removes what killed writers of this file left beside it. Only for a program that knows, by a
+/// lock, that nobody else is writing it now.
+void remove_temporaries(const std::filesystem::path& path);
+
 /// All bytes of a file of at most `largest` bytes. Throws ReadError.
 std::string read_file(const std::filesystem::path& path,
                       std::size_t largest = std::size_t{4} << 30);

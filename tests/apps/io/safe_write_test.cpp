@@ -86,6 +86,27 @@ TEST(SafeWrite, DevicesAreWrittenToAndLinksStayLinks) {
   EXPECT_EQ(read_file(directory / "target"), "new");
 }
 
+TEST(SafeWrite, TheFileBeforeIsKeptUnderItsOtherName) {
+  const TemporaryDirectory directory;
+  for (const char* bytes : {"first", "second", "third"}) {
+    safe_write_keeping(directory / "previous", directory / "file", bytes);
+  }
+  EXPECT_EQ(read_file(directory / "file"), "third");
+  EXPECT_EQ(read_file(directory / "previous"), "second");
+  EXPECT_EQ(entries(directory), 2u);
+}
+
+TEST(SafeWrite, OnlyWhatAWriterOfThisFileLeftIsRemoved) {
+  const TemporaryDirectory directory;
+  for (const char* name :
+       {"file", "file.12.0.tmp", "file.notes.tmp", "file.tmp", "other.12.0.tmp"}) {
+    directory.write(name, "x");
+  }
+  remove_temporaries(directory / "file");
+  EXPECT_EQ(entries(directory), 4u);
+  EXPECT_FALSE(std::filesystem::exists(directory / "file.12.0.tmp"));
+}
+
 TEST(ReadFile, TooLargeAFileIsRefused) {
   const TemporaryDirectory directory;
   EXPECT_THROW(read_file(directory.write("file", std::string(2000, 'x')), 1999), ReadError);
