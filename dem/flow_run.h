@@ -16,11 +16,12 @@ namespace grainlaw::dem {
 /// The grains as they are now, in the order of their numbers, spins left out.
 InitialState present_state(const SimulationBase& simulation);
 
-/// A packing that has come to rest, with the normal law alone: friction and cohesion would keep it
-/// as loose as it was made. False from the observer stops it.
-template <class Normal>
+/// A packing that has come to rest without cohesion, which would keep it as loose as it was made.
+/// Friction stays: without it a layer settles so densely (0.64) that it does not start to flow at
+/// tilts at which it could go on flowing. False from the observer stops it.
+template <class Law>
 InitialState settled(const Scene& scene,
-                     const Normal& normal,
+                     const Law& law,
                      const InitialState& packing,
                      const RunOptions& options,
                      const Stopwatch& clock,
@@ -30,7 +31,7 @@ InitialState settled(const Scene& scene,
   std::optional<SimulationSetup> setup = settling_setup(scene, packing);
   if (!setup) return packing;
   setup->threads = options.threads;
-  Simulation simulation(ContactLaw{normal, Cohesionless{}, Frictionless{}}, *setup, packing);
+  Simulation simulation(ContactLaw{law.normal, Cohesionless{}, law.friction}, *setup, packing);
   const double unit = unit_time(scene);
   const double speed2 = scene.grains.diameter * scene.grains.diameter / (unit * unit);
   const double slow = slow_energy * scene.grains.mass * speed2 * grains(scene);
@@ -84,7 +85,7 @@ class FlowRun {
   InitialState start(const Scene& scene, const Law& law, const RunOptions& options) {
     const InitialState packing = initial_state(scene);
     if (options.resume) return packing;  // what it holds is replaced
-    return settled(scene, law.normal, packing, options, clock_, go_on_);
+    return settled(scene, law, packing, options, clock_, go_on_);
   }
 
   static SimulationSetup setup(const Scene& scene,

@@ -20,7 +20,8 @@ void restore_records(std::vector<Record>& records,
                      const std::string& name) {
   const auto& numbers = entry(from.numbers, name, count * sizeof(Record) / sizeof(double));
   if (records.size() < count) records.resize(count);
-  if (count > 0) std::memcpy(static_cast<void*>(records.data()), numbers.data(), count * sizeof(Record));
+  if (count > 0)
+    std::memcpy(static_cast<void*>(records.data()), numbers.data(), count * sizeof(Record));
 }
 
 template <class Integer>
