@@ -201,7 +201,7 @@ std::string Section::default_text(const std::string& value, std::string_view not
 std::string Section::choice(const Key& key,
                             const std::vector<std::string>& words,
                             const std::optional<std::string>& otherwise) {
-  const std::string word = otherwise ? read_or(key, *otherwise) : read<std::string>(key);
+  std::string word = otherwise ? read_or(key, *otherwise) : read<std::string>(key);
   const std::string allowed = fmt::format("\"{}\"", joined(words, "\", \""));
   auto& keys = entry().keys;
   std::ranges::find(keys, key.name, &KeyEntry::name)->range = allowed;

@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 namespace grainlaw::io {
 namespace {
@@ -169,15 +171,16 @@ std::optional<double> read_stress_or_fixed(const Reader& read,
 
 /// Either a volume fraction or all three sides.
 void read_box(const Reader& read, Section& section, dem::SimpleShear& shear) {
-  constexpr std::string_view sides[] = {"length", "height", "width"};
-  double* const values[] = {&shear.size.x, &shear.size.y, &shear.size.z};
+  const std::array sides{std::pair{"length", &dem::Vec3::x},
+                         std::pair{"height", &dem::Vec3::y},
+                         std::pair{"width", &dem::Vec3::z}};
   const Bounds bounds = diameters_or_more(dem::limits::least_period);
   const bool sized = section.has("length") || section.has("height") || section.has("width");
-  for (std::size_t k = 0; k < 3; ++k) {
-    const Key key{sides[k], "of the box at the start", read.units[dimension::length], bounds};
+  for (const auto& [name, component] : sides) {
+    const Key key{name, "of the box at the start", read.units[dimension::length], bounds};
     const auto side = section.find<double>(key, "all three, or none: a cube by volume_fraction");
     if (!side && (sized || read.with_start)) section.report_missing(key);
-    *values[k] = side.value_or(0.0);
+    shear.size.*component = side.value_or(0.0);
   }
   shear.volume_fraction =
       read_volume_fraction(section, shear.volume_fraction, "of a cube at the start");

@@ -9,6 +9,7 @@
 #include "apps/io/case_input.h"
 #include "apps/io/rheology_table_toml.h"
 #include "apps/io/safe_write.h"
+#include "apps/io/start_csv.h"
 #include "tests/apps/io/temporary_directory.h"
 
 namespace grainlaw::io {
@@ -32,6 +33,7 @@ void read_anything(const std::filesystem::path& path) {
   if (name.starts_with("campaign")) read_campaign(path);
   if (name.starts_with("case")) read_case(path);
   if (name.starts_with("table")) read_table(path);
+  if (name.starts_with("start")) read_start(path, grain_units());
 }
 
 std::string message_of(const std::filesystem::path& path) {
@@ -117,6 +119,7 @@ TEST(InvalidInput, MutilatedFilesAreReadOrRefusedButNeverCrash) {
       {"scene.toml", read_file(data / "scenes/simple_shear_cohesive.toml")},
       {"scene.toml", read_file(data / "scenes/plane_shear.toml")},
       {"scene.toml", read_file(data / "scenes/split_bottom.toml")},
+      {"start.csv", "# grains\nx,y,z,diameter,frozen\n1,1,0.5,1,0\n2.5,-1e-3,0.5,1.2,1\n"},
       {"case.toml", read_file(data / "cases/glass_beads_si.toml")},
       {"table.toml", read_file(data / "tables/shi2020_mu_p_0.50.toml")}};
   int refused = 0;
