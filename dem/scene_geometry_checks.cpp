@@ -155,7 +155,7 @@ void check(const PlaneShear& shear, const Scene& scene) {
   check_volume_fraction(shear.volume_fraction);
   if (std::holds_alternative<FlatBase>(shear.wall)) {
     refuse({"geometry.wall", "recipe"},
-           "a flat wall hardly drags the grains: take recipe = \"bumpy\" or \"lattice\"");
+           R"(a flat wall hardly drags the grains: take recipe = "bumpy" or "lattice")");
   }
   check_base(shear.wall, "geometry.wall", scene.grains);
   check_total(shear.grains,

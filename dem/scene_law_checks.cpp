@@ -47,12 +47,11 @@ void check_damping(double damping, double stiffness, const Surroundings& around,
   const double critical = 2.0 * std::sqrt(stiffness / (around.heaviest * around.prefactor));
   if (damping >= 0.0 && damping < critical) return;
   refuse(at,
-         fmt::format("{} damping = {}: must lie in [0, {:.6g}); at {:.6g} = 2 sqrt(k/m) the "
-                     "heaviest contact (m = {:.4g}) no longer springs back: lower the damping or "
-                     "raise the stiffness",
+         fmt::format("{} damping = {}: must lie in [0, {:.6g}); from there on the heaviest contact "
+                     "(m = {:.4g}) no longer springs back: lower the damping or raise the "
+                     "stiffness",
                      at.section == normal ? "normal" : "tangential",
                      damping,
-                     critical,
                      critical,
                      around.heaviest));
 }

@@ -205,10 +205,10 @@ std::string Section::choice(const Key& key,
   const std::string allowed = fmt::format("\"{}\"", joined(words, "\", \""));
   auto& keys = entry().keys;
   std::ranges::find(keys, key.name, &KeyEntry::name)->range = allowed;
+  if (std::ranges::count(words, word) > 0) return word;
+  const std::string guess = nearest(word, words);
   const TomlEntry* found = state_->find(name_, key.name);
-  if (found != nullptr && std::holds_alternative<std::string>(found->value.value) &&
-      std::ranges::count(words, word) == 0) {
-    const std::string guess = nearest(word, words);
+  if (found != nullptr && std::holds_alternative<std::string>(found->value.value)) {
     state_->problems.push_back({found->value.place,
                                 fmt::format("unknown {} \"{}\"{}",
                                             key.name,
@@ -217,9 +217,8 @@ std::string Section::choice(const Key& key,
                                 "known: " + allowed,
                                 name_,
                                 {}});
-    word = guess.empty() ? words.front() : guess;
   }
-  return word;
+  return guess.empty() ? words.front() : guess;
 }
 
 void Section::exactly_one_of(const std::vector<std::string>& keys) {
@@ -296,7 +295,8 @@ Section InputFile::section(std::string_view name, std::string_view meaning) {
 }
 
 Section InputFile::optional_section(std::string_view name, std::string_view meaning) {
-  state_->entry(name).meaning = meaning;
+  std::string& known = state_->entry(name).meaning;
+  if (known.empty()) known = meaning;  // who reads the section first describes it
   return {*state_, name};
 }
 

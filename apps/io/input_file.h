@@ -60,8 +60,8 @@ class Section {
   std::optional<T> find(const Key& key, std::string_view note = "optional") {
     return ask<T>(key, note);
   }
-  /// A word out of a list; required unless there is a default. For an unknown one the nearest, or
-  /// the first, so that the keys that depend on it can be judged.
+  /// A word out of a list; required unless there is a default. Where it is missing or unknown, the
+  /// nearest or the first stands in for it, so that the keys that depend on it can be judged.
   std::string choice(const Key& key,
                      const std::vector<std::string>& words,
                      const std::optional<std::string>& otherwise = {});

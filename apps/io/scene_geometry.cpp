@@ -2,16 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 namespace grainlaw::io {
 namespace {
-
-constexpr auto chute_meaning =
-    "Inclined layer with a free surface, periodic along and across the flow";
-constexpr auto split_meaning =
-    "Wedge of a ring cell whose bottom is split: outer cylinder and outer bottom turn";
 
 /// What the keys of every geometry are read with.
 struct Reader {
@@ -122,7 +119,8 @@ dem::Base read_base(const Reader& read,
   const std::string recipe =
       section.choice({"recipe",
                       "\"bumpy\": grains of a slab cut from a random packing, glued; \"lattice\": "
-                      "a layer of them on a triangular lattice; \"flat\": a plane"},
+                      "a layer of them on a triangular lattice" +
+                          std::string(flat_allowed ? "; \"flat\": a plane" : "")},
                      recipes,
                      "bumpy");
   dem::Base base;
@@ -130,7 +128,7 @@ dem::Base read_base(const Reader& read,
     base = read_slab(section, "thickness", "packing_fraction", {});
   }
   if (section.applies(recipe == "lattice")) base = read_lattice(section);
-  if (section.applies(recipe == "flat")) {
+  if (flat_allowed && section.applies(recipe == "flat")) {
     base = dem::FlatBase{
         section.read_or<bool>({"frictional", "\"flat\": false for a smooth plane"}, true)};
   }
@@ -173,15 +171,16 @@ std::optional<double> read_stress_or_fixed(const Reader& read,
 
 /// Either a volume fraction or all three sides.
 void read_box(const Reader& read, Section& section, dem::SimpleShear& shear) {
-  constexpr std::string_view sides[] = {"length", "height", "width"};
-  double* const values[] = {&shear.size.x, &shear.size.y, &shear.size.z};
+  const std::array sides{std::pair{"length", &dem::Vec3::x},
+                         std::pair{"height", &dem::Vec3::y},
+                         std::pair{"width", &dem::Vec3::z}};
   const Bounds bounds = diameters_or_more(dem::limits::least_period);
   const bool sized = section.has("length") || section.has("height") || section.has("width");
-  for (std::size_t k = 0; k < 3; ++k) {
-    const Key key{sides[k], "of the box at the start", read.units[dimension::length], bounds};
+  for (const auto& [name, component] : sides) {
+    const Key key{name, "of the box at the start", read.units[dimension::length], bounds};
     const auto side = section.find<double>(key, "all three, or none: a cube by volume_fraction");
     if (!side && (sized || read.with_start)) section.report_missing(key);
-    *values[k] = side.value_or(0.0);
+    shear.size.*component = side.value_or(0.0);
   }
   shear.volume_fraction =
       read_volume_fraction(section, shear.volume_fraction, "of a cube at the start");
@@ -273,46 +272,36 @@ dem::SplitBottom read_split_bottom(const Reader& read, Section section) {
 
 }  // namespace
 
-std::string read_kind(Section& geometry) {
-  return geometry.choice(
-      {"kind", "of the flow, see below"},
-      {"chute", "simple_shear", "plane_shear", "body_force_box", "split_bottom"});
-}
-
-Units read_scene_units(InputFile& in, Section& geometry, const std::string& kind) {
-  Units units;
-  bool falls = false;
-  for (const auto& [word, meaning] :
-       {std::pair{"chute", chute_meaning}, std::pair{"split_bottom", split_meaning}}) {
-    if (!geometry.applies(kind == word)) continue;
+Flow read_flow(InputFile& in, const dem::Grains& grains, bool with_start) {
+  Section geometry = in.section("geometry", "The flow");
+  const std::string kind =
+      geometry.choice({"kind", "of the flow, see below"},
+                      {"chute", "simple_shear", "plane_shear", "body_force_box", "split_bottom"});
+  Flow flow;
+  const auto take = [&](std::string_view word, bool falls, std::string_view meaning, auto reader) {
+    if (!geometry.applies(kind == word)) return;
     Section section = geometry.when("kind", word, meaning);
-    units = read_units(in, section);
-    falls = true;
-  }
-  return falls ? units : read_units(in);
-}
-
-dem::Geometry read_geometry(InputFile& in,
-                            Section& geometry,
-                            const std::string& kind,
-                            const Units& units,
-                            const dem::Grains& grains,
-                            bool with_start) {
-  const Reader read{in, units, grains, with_start};
-  dem::Geometry result;
-  const auto take = [&](std::string_view word, std::string_view meaning, auto reader) {
-    if (geometry.applies(kind == word)) result = reader(read, geometry.when("kind", word, meaning));
+    flow.units = falls ? read_units(in, section) : read_units(in);
+    flow.geometry = reader(Reader{in, flow.units, grains, with_start}, section);
   };
-  take("chute", chute_meaning, read_chute);
+  take("chute", true, "Inclined layer with a free surface, periodic along and across", read_chute);
   take("simple_shear",
+       false,
        "Homogeneous shear of a box with Lees-Edwards boundaries, without gravity",
        read_simple_shear);
-  take("plane_shear", "Layer between two rough walls, the upper one moving", read_plane_shear);
+  take("plane_shear",
+       false,
+       "Layer between two rough walls, the upper one moving",
+       read_plane_shear);
   take("body_force_box",
+       false,
        "Periodic box driven by a sinusoidal body force, without gravity",
        read_body_force_box);
-  take("split_bottom", split_meaning, read_split_bottom);
-  return result;
+  take("split_bottom",
+       true,
+       "Wedge of a ring cell whose bottom is split: outer cylinder and outer bottom turn",
+       read_split_bottom);
+  return flow;
 }
 
 }  // namespace grainlaw::io

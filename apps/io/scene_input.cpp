@@ -115,14 +115,12 @@ struct Keys {
 Keys read_keys(InputFile& in) {
   Keys keys;
   read_top(in, keys.scene);
-  Section geometry = in.section("geometry", "The flow");
-  const std::string kind = read_kind(geometry);
-  keys.units = read_scene_units(in, geometry, kind);
   read_sizes(in, keys.scene.grains);
-  read_laws(in, keys.units, keys.scene);
   keys.start = read_start_name(in);
-  keys.scene.geometry =
-      read_geometry(in, geometry, kind, keys.units, keys.scene.grains, !keys.start.empty());
+  const Flow flow = read_flow(in, keys.scene.grains, !keys.start.empty());
+  keys.scene.geometry = flow.geometry;
+  keys.units = flow.units;
+  read_laws(in, keys.units, keys.scene);
   keys.scene.measurement = read_measurement(in, keys.units, keys.scene.geometry);
   read_time(in, keys.units, keys.scene);
   return keys;

@@ -27,10 +27,26 @@ history.
 | `units` | mass | length | time | must be given |
 |---|---|---|---|---|
 | `"grain"` | grain mass m | diameter d | sqrt(d/g) | nothing: m, d and g are 1 |
-| `"stiffness"` | rho_p d^3 | diameter d | sqrt(rho_p d^3/k_n) | `gravity` |
-| `"si"` | kg | m | s | `diameter`, `density`, `gravity` |
+| `"stiffness"` | rho_p d^3 | diameter d | sqrt(rho_p d^3/k_n) | `gravity`, where grains fall |
+| `"si"` | kg | m | s | `diameter`, `density`; `gravity`, where grains fall |
 
-Angles are in degrees. Numbers are converted once, when read.
+Angles are in degrees. Numbers are converted once, when read. Of grains of different sizes, d is the
+number mean of the diameters and m the mass of a grain of that diameter. A flow without gravity has
+no `gravity` key; results in m, d and sqrt(d/g) then take g = 1 in the units of the file, or
+9.81 m/s^2 in SI.
+
+**Start.** A scene runs from a packing that is made for it, or from the grains of a CSV file:
+
+```
+# any comment lines
+x,y,z,vx,vy,vz,wx,wy,wz,diameter,frozen
+0.5,0.5,-0.5,0,0,0,0,0,0,1,1
+0.5,0.5,1.2,0.1,0,0,0,0,0,1,0
+```
+
+Columns in any order, in the units of the scene; only x, y and z are required. Grains are otherwise
+at rest, of the mean diameter and free. Frozen ones (1) are the base of a chute, the walls of a plane
+shear, or the bottom of a split cell.
 
 )";
 
