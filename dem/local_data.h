@@ -21,7 +21,7 @@ struct ChuteConditions {
   double contact_friction = 0.0;   ///< mu_p
   double mass_per_area = 0.0;      ///< of the flowing grains [mass/length^2]
   double shear_rate = 0.0;         ///< imposed on the whole box [1/time]; 0: none
-  std::string base;                ///< recipe of the base in words, equal for equal bases
+  std::string base{};              ///< recipe of the base in words, equal for equal bases
 };
 
 /// Averages in one bin of z over the steady window, with standard errors by block averaging.
