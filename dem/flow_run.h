@@ -61,12 +61,13 @@ class FlowRun {
                          {.mass = scene.grains.mass, .diameter = scene.grains.diameter},
                          speed,
                          time_step(scene));
-    if (!options.resume) return;
+    if (!goes_on(options)) return;
     simulation_.restore(*options.resume);
     record_.restore(*options.resume);
   }
 
   LocalData run() {
+    if (!go_on_ && options_.save) options_.save({});  // stopped while settling: begins anew
     while (go_on_) {
       const Stopwatch stepping;
       add_frame();
@@ -82,9 +83,13 @@ class FlowRun {
   }
 
  private:
+  static bool goes_on(const RunOptions& options) {
+    return options.resume && *options.resume != Checkpoint{};
+  }
+
   InitialState start(const Scene& scene, const Law& law, const RunOptions& options) {
     const InitialState packing = initial_state(scene);
-    if (options.resume) return packing;  // what it holds is replaced
+    if (goes_on(options)) return packing;  // what it holds is replaced
     return settled(scene, law, packing, options, clock_, go_on_);
   }
 

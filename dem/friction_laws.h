@@ -48,6 +48,7 @@ struct Sliding {
   double coefficient = 0.0;  ///< mu_p, static and dynamic
   double stiffness = 0.0;    ///< k_t [mass/time^2]
   double damping = 0.0;      ///< gamma_t [1/time], times the reduced mass
+  double dashpot = 0.0;      ///< gamma_t [mass/time], the same for all pairs
 
   template <class S>
   S limit(const NormalLoad<S>& load, const TangentialSpring<S>&, const S&) const {
@@ -66,6 +67,7 @@ struct StickSlip {
   double coefficient = 0.0;         ///< mu_d, dynamic, below mu_s
   double stiffness = 0.0;           ///< k_t [mass/time^2]
   double damping = 0.0;             ///< gamma_t [1/time], times the reduced mass
+  double dashpot = 0.0;             ///< gamma_t [mass/time], the same for all pairs
 
   template <class S>
   S limit(const NormalLoad<S>& load, const TangentialSpring<S>& spring, const S& trial2) const {
@@ -91,7 +93,7 @@ template <class Law, class S>
   const Vector3<S> old_middle = contact.normal - S(0.5 * time_step) * motion.normal_rate;
   const Vector3<S> carried = spring.stretch - dot(contact.normal, spring.stretch) * old_middle;
   const Vector3<S> stretched = carried + half_advance;
-  const S viscosity = law.damping * load.prefactor * contact.reduced_mass;
+  const S viscosity = load.prefactor * (law.damping * contact.reduced_mass + law.dashpot);
   const S stiffness = law.stiffness * load.prefactor;
   const Vector3<S> dashpot = -viscosity * velocity;
   const Vector3<S> trial = dashpot - stiffness * stretched;

@@ -16,6 +16,7 @@ struct Surroundings {
   const Grains& grains;
   double max_overlap;
   double heaviest;              ///< largest reduced mass of a contact [mass]
+  double lightest;              ///< smallest one [mass]
   double prefactor = 1.0;       ///< f(x) at the deepest overlap
   double tangent_factor = 1.0;  ///< tangent stiffness there over f(x) k_n
   double stiffness = 0.0;       ///< k_n [mass/time^2]
@@ -33,7 +34,8 @@ double heaviest_reduced_mass(const Scene& scene) {
 Surroundings surroundings(const Scene& scene) {
   Surroundings out{.grains = scene.grains,
                    .max_overlap = scene.max_overlap,
-                   .heaviest = heaviest_reduced_mass(scene)};
+                   .heaviest = heaviest_reduced_mass(scene),
+                   .lightest = 0.5 * scene.grains.mass_of(scene.grains.smallest())};
   out.stiffness = std::visit([](const auto& law) { return law.stiffness; }, scene.normal);
   if (std::holds_alternative<Hertz>(scene.normal)) {
     out.prefactor = std::sqrt(0.5 * scene.max_overlap);
@@ -42,24 +44,34 @@ Surroundings surroundings(const Scene& scene) {
   return out;
 }
 
-/// Spring f K u and dashpot f gamma m v, f the prefactor: critical where gamma^2 f m = 4 K.
-void check_damping(double damping, double stiffness, const Surroundings& around, const Place& at) {
-  const double critical = 2.0 * std::sqrt(stiffness / (around.heaviest * around.prefactor));
-  if (damping >= 0.0 && damping < critical) return;
+/// Spring f K u and dashpot f c v on the mass m, f the prefactor: critical where f c^2 = 4 K m.
+/// A rate or a root is worst for the heaviest pair, the same dashpot for all for the lightest.
+void check_damping(double viscosity_of_heaviest,
+                   double viscosity_of_lightest,
+                   double stiffness,
+                   const Surroundings& around,
+                   const Place& at) {
+  const auto share = [&](double viscosity, double mass) {
+    return viscosity * std::sqrt(around.prefactor / (4.0 * stiffness * mass));
+  };
+  const double worst = std::max(share(viscosity_of_heaviest, around.heaviest),
+                                share(viscosity_of_lightest, around.lightest));
+  if (std::min(viscosity_of_heaviest, viscosity_of_lightest) >= 0.0 && worst < 1.0) return;
   refuse(at,
-         fmt::format("{} damping = {}: must lie in [0, {:.6g}); from there on the heaviest contact "
-                     "(m = {:.4g}) no longer springs back: lower the damping or raise the "
-                     "stiffness",
+         fmt::format("{} damping is {:.4g} of the critical one, at which a contact no longer "
+                     "springs back: must lie in [0, 1); lower the damping or raise the stiffness",
                      at.section == normal ? "normal" : "tangential",
-                     damping,
-                     critical,
-                     around.heaviest));
+                     worst));
 }
 
 template <class Law>
 void check_normal(const Law& law, const Surroundings& around) {
   require_positive(law.stiffness, {normal, "stiffness"}, "normal stiffness");
-  check_damping(law.damping, around.tangent_factor * law.stiffness, around, {normal, ""});
+  check_damping(viscosity(law, around.heaviest),
+                viscosity(law, around.lightest),
+                around.tangent_factor * law.stiffness,
+                around,
+                {normal, ""});
 }
 
 void check_coefficient(double coefficient) {
@@ -77,7 +89,11 @@ void check_tangential(const Law& law, const Surroundings& around) {
   check_coefficient(law.coefficient);
   require_positive(law.stiffness, {friction, "stiffness"}, "tangential stiffness");
   // At the contact point two free solid spheres weigh 2/7 of their reduced mass.
-  check_damping(law.damping, 2.0 / 7.0 * law.stiffness, around, {friction, "damping_rate"});
+  check_damping(law.damping * around.heaviest + law.dashpot,
+                law.damping * around.lightest + law.dashpot,
+                2.0 / 7.0 * law.stiffness,
+                around,
+                {friction, "damping_rate"});
 }
 
 void check_friction(const Frictionless&, const Surroundings&) {}

@@ -22,12 +22,24 @@ std::string words(const FlatBase& base) {
 }
 
 template <class Law>
+std::string damping_in_words(const Law& law) {
+  if constexpr (std::is_same_v<Law, Hooke>) {
+    constexpr double any_mass = 1.0;
+    if (law.root_damping > 0.0) {
+      return fmt::format("restitution {:.6g} of all pairs", law.restitution(any_mass));
+    }
+  }
+  if (law.dashpot > 0.0) return fmt::format("dashpot {:.6g} of all pairs", law.dashpot);
+  return fmt::format("damping rate {:.6g}", law.damping);
+}
+
+template <class Law>
 void describe_normal(const Law& law, std::string_view words, SceneSummary& summary) {
   summary.used.push_back(
-      fmt::format("normal: {}, stiffness {:.6g}, damping {:.6g}{}",
+      fmt::format("normal: {}, stiffness {:.6g}, {}{}",
                   words,
                   law.stiffness,
-                  law.damping,
+                  damping_in_words(law),
                   law.clip_attraction ? ", never negative between touching grains" : ""));
 }
 void describe(const Hooke& law, SceneSummary& summary) {
@@ -86,7 +98,9 @@ void describe_friction(const Law& law, const std::string& coefficients, SceneSum
                   coefficients,
                   law.stiffness));
   if (law.damping > 0.0) {
-    summary.used.push_back(fmt::format("tangential dashpot {:.6g}", law.damping));
+    summary.used.push_back(fmt::format("tangential damping rate {:.6g}", law.damping));
+  } else if (law.dashpot > 0.0) {
+    summary.used.push_back(fmt::format("tangential dashpot {:.6g} of all pairs", law.dashpot));
   } else {
     summary.left_out.emplace_back("no tangential damping");
   }

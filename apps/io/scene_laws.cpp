@@ -3,8 +3,6 @@
 namespace grainlaw::io {
 namespace {
 
-constexpr double reduced_mass = 0.5;  // of two mean grains, in internal units
-
 Key damping_rate(std::string_view meaning, const Units& units) {
   return {"damping_rate", meaning, units[dimension::rate], not_negative};
 }
@@ -12,17 +10,22 @@ Key dashpot(std::string_view meaning, const Units& units) {
   return {"dashpot", meaning, units[dimension::dashpot], not_negative};
 }
 
-/// Exactly one of three ways to say how a contact dissipates; a Hertz contact has two of them.
-double read_damping(Section& section, const Units& units, double stiffness, bool hertz) {
+/// How a contact dissipates.
+struct Damping {
+  double rate = 0.0;     ///< times the reduced mass
+  double dashpot = 0.0;  ///< for all pairs
+  double root = 0.0;     ///< times the root of the reduced mass
+};
+
+/// Exactly one of three ways to say it; a Hertz contact has two of them.
+Damping read_damping(Section& section, const Units& units, double stiffness, bool hertz) {
   const auto rate = section.find<double>(
       damping_rate("gamma_n, times the reduced mass (Brewster et al. 2008)", units));
   const auto viscosity = section.find<double>(
-      dashpot("times the velocity (Shi et al. 2020), of two mean grains; of other pairs in "
-              "proportion to their reduced mass",
-              units));
+      dashpot("gamma_n, times the velocity, the same for all pairs (Shi et al. 2020)", units));
   const auto restitution =
       section.find<double>({"restitution",
-                            "normal restitution of two mean grains; refused for \"hertz\"",
+                            "normal restitution, the same for all pairs; refused for \"hertz\"",
                             {},
                             {0.0, 1.0, false, true}});
   if (restitution && hertz) {
@@ -31,9 +34,8 @@ double read_damping(Section& section, const Units& units, double stiffness, bool
                     "speed: give damping_rate or dashpot");
   }
   section.exactly_one_of({"damping_rate", "dashpot", "restitution"});
-  if (viscosity) return *viscosity / reduced_mass;
-  if (restitution) return dem::damping_for(*restitution, stiffness, reduced_mass);
-  return rate.value_or(0.0);
+  const double root = restitution ? dem::root_damping_for(*restitution, stiffness) : 0.0;
+  return {rate.value_or(0.0), viscosity.value_or(0.0), root};
 }
 
 /// Returns k_n.
@@ -45,14 +47,14 @@ double read_normal(InputFile& in, const Units& units, dem::Scene& scene) {
                       "both times sqrt(overlap/(R_i + R_j)) (Brewster et al. 2008, eq. 2)"},
                      {"hooke", "hertz"}) == "hertz";
   const double stiffness = read_stiffness(section, units);
-  const double damping = read_damping(section, units, stiffness, hertz);
+  const Damping damping = read_damping(section, units, stiffness, hertz);
   const bool clip = section.read_or<bool>(
       {"clip_attraction", "no negative force between touching grains at the end of a contact"},
       false);
   if (hertz) {
-    scene.normal = dem::Hertz{stiffness, damping, clip};
+    scene.normal = dem::Hertz{stiffness, damping.rate, clip, damping.dashpot};
   } else {
-    scene.normal = dem::Hooke{stiffness, damping, clip};
+    scene.normal = dem::Hooke{stiffness, damping.rate, clip, damping.dashpot, damping.root};
   }
   return stiffness;
 }
@@ -144,14 +146,14 @@ void refuse_resistance(Section& section, std::string_view name, std::string_view
                       "nor Shi et al. (2020) run with it: leave the key out or set it to 0");
 }
 
-double read_tangential_damping(Section& section, const Units& units) {
+Damping read_tangential_damping(Section& section, const Units& units) {
   const auto rate = section.find<double>(damping_rate("gamma_t, times the reduced mass", units),
                                          "0, unless dashpot is given");
   const auto viscosity = section.find<double>(
-      dashpot("times the tangential velocity (Shi et al. 2020), of two mean grains", units),
+      dashpot("gamma_t, times the tangential velocity (Shi et al. 2020)", units),
       "0, unless damping_rate is given");
   section.at_most_one_of({"damping_rate", "dashpot"});
-  return viscosity ? *viscosity / reduced_mass : rate.value_or(0.0);
+  return {rate.value_or(0.0), viscosity.value_or(0.0)};
 }
 
 void read_friction(InputFile& in, const Units& units, double normal_stiffness, dem::Scene& scene) {
@@ -178,13 +180,15 @@ void read_friction(InputFile& in, const Units& units, double normal_stiffness, d
   const Key stiffness{"stiffness", "k_t", units[dimension::stiffness], positive};
   read.stiffness = section.find<double>(stiffness, "2/7 of the normal stiffness")
                        .value_or(2.0 / 7.0 * normal_stiffness);
-  read.damping = read_tangential_damping(section, units);
+  const Damping damping = read_tangential_damping(section, units);
+  read.damping = damping.rate;
+  read.dashpot = damping.dashpot;
   refuse_resistance(section, "rolling_coefficient", "rolling");
   refuse_resistance(section, "torsion_coefficient", "torsion");
   if (law == "stick_slip") {
     scene.friction = read;
   } else {
-    scene.friction = dem::Sliding{read.coefficient, read.stiffness, read.damping};
+    scene.friction = dem::Sliding{read.coefficient, read.stiffness, read.damping, read.dashpot};
   }
 }
 
