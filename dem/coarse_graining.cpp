@@ -14,6 +14,17 @@ void add_dyad(std::array<double, 6>& sum, const Vec3& a, const Vec3& b, double f
   sum[5] += factor * a.y * b.z;
 }
 
+Vec3 mean_velocity(const Particles& particles, const Dynamics& dynamics) {
+  double mass = 0.0;
+  Vec3 momentum;
+  for (std::size_t i = 0; i < particles.mobile; ++i) {
+    const double m = 1.0 / particles.state[i].inverse_mass;
+    mass += m;
+    momentum += m * velocity(particles, i, dynamics);
+  }
+  return mass > 0.0 ? 1.0 / mass * momentum : Vec3{};
+}
+
 /// The vector in the axes of the profile at a place.
 Vec3 seen(const Bins& bins, const Vec3& place, const Vec3& v) {
   if (bins.axis != ProfileAxis::radius) return v;
@@ -40,12 +51,15 @@ void FrameSampler::sample(const Bins& bins,
                           const std::vector<ContactSample>& contacts) {
   const double extent = bins.width * static_cast<double>(bins.count);
   const double middle = bins.begin + 0.5 * extent;
+  // A force that does not add up to zero over the grains makes a periodic box drift as a whole,
+  // which nothing in it feels: velocities are those against its mean.
+  const Vec3 drift = bins.periodic ? mean_velocity(particles, dynamics) : Vec3{};
   double place = 0.0;
   double energy = 0.0;
   for (std::size_t i = 0; i < particles.mobile; ++i) {
     const GrainState& grain = particles.state[i];
     const double mass = 1.0 / grain.inverse_mass;
-    Vec3 v = velocity(particles, i, dynamics);
+    Vec3 v = velocity(particles, i, dynamics) - drift;
     v.x -= bins.shear_rate * (grain.position.y - middle);
     add_grain(bins, grain.position, seen(bins, grain.position, v), mass);
     place += grain.position.z;

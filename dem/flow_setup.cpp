@@ -220,21 +220,20 @@ SteadyCriteria steady_criteria(const Scene& scene) {
   SteadyCriteria criteria{.averaging_time = scene.measurement.averaging_time,
                           .rest_velocity = 0.0,
                           .rest_time = INFINITY,
-                          .runaway_velocity = INFINITY,
-                          .mean_flow = false};
-  // Homogeneous shear forgets its packing within a strain of 0.5 to 1.
+                          .runaway_velocity = INFINITY};
   if (const auto* box = std::get_if<SimpleShear>(&scene.geometry)) {
-    criteria.start_up = 1.0 / box->shear_rate;
+    criteria.start_up = 1.0 / box->shear_rate;  // it forgets its packing within that strain
+    criteria.mean_flow = false;
+  } else if (std::holds_alternative<BodyForceBox>(scene.geometry)) {
+    criteria.mean_flow = false;
+  } else if (const auto* chute = std::get_if<Chute>(&scene.geometry)) {
+    const double d = scene.grains.diameter;
+    const double fall = dense_fraction * chute->gravity * std::cos(chute->inclination);
+    criteria.rest_velocity = 1e-3 * std::sqrt(chute->gravity * d);
+    criteria.rest_time = 20.0 * std::sqrt(d / chute->gravity);
+    criteria.runaway_velocity =
+        0.4 * std::sqrt(fall) * std::pow(depth(scene.grains, *chute), 1.5) / d;
   }
-  const auto* chute = std::get_if<Chute>(&scene.geometry);
-  if (!chute) return criteria;
-  criteria.mean_flow = true;
-  const double d = scene.grains.diameter;
-  const double fall = dense_fraction * chute->gravity * std::cos(chute->inclination);
-  criteria.rest_velocity = 1e-3 * std::sqrt(chute->gravity * d);
-  criteria.rest_time = 20.0 * std::sqrt(d / chute->gravity);
-  criteria.runaway_velocity =
-      0.4 * std::sqrt(fall) * std::pow(depth(scene.grains, *chute), 1.5) / d;
   return criteria;
 }
 

@@ -21,9 +21,8 @@ struct Series {
   std::vector<double> values;
 };
 
-std::array<Series, 3> series_of(std::span<const ProfileFrame> frames) {
-  std::array<Series, 3> series{
-      {{"mean velocity", {}}, {"kinetic energy", {}}, {"centre of mass", {}}}};
+std::vector<Series> series_of(std::span<const ProfileFrame> frames) {
+  std::vector<Series> series{{"mean velocity", {}}, {"kinetic energy", {}}, {"centre of mass", {}}};
   for (const ProfileFrame& frame : frames) {
     series[0].values.push_back(mean_velocity(frame));
     series[1].values.push_back(frame.kinetic_energy);
@@ -69,7 +68,7 @@ double relaxed_time(std::span<const ProfileFrame> frames,
 }
 
 /// The series that drifts most clearly, if any does.
-std::string drift_in_words(const std::array<Series, 3>& series, std::size_t first) {
+std::string drift_in_words(std::span<const Series> series, std::size_t first) {
   std::string words;
   double clearest = 0.0;
   for (const Series& s : series) {
@@ -104,7 +103,7 @@ Assessment assess(std::span<const ProfileFrame> frames, const SteadyCriteria& cr
                         criteria.rest_velocity,
                         criteria.rest_time)};
   }
-  const bool gaining = keeps_gaining(velocity);
+  const bool gaining = criteria.mean_flow && keeps_gaining(velocity);
   if (gaining && velocity.back() > criteria.runaway_velocity) {
     return {FlowState::accelerating,
             true,
@@ -115,7 +114,8 @@ Assessment assess(std::span<const ProfileFrame> frames, const SteadyCriteria& cr
                         criteria.runaway_velocity)};
   }
   std::size_t first = 0;
-  for (const Series& s : series) first = std::max(first, mser_truncation(s.values));
+  const std::span<const Series> judged = std::span(series).subspan(criteria.mean_flow ? 0 : 1);
+  for (const Series& s : judged) first = std::max(first, mser_truncation(s.values));
   const double relaxed =
       std::max(criteria.start_up, criteria.mean_flow ? relaxed_time(frames, velocity, first) : 0.0);
   const auto start = std::ranges::find_if(
@@ -123,7 +123,7 @@ Assessment assess(std::span<const ProfileFrame> frames, const SteadyCriteria& cr
   constexpr std::ptrdiff_t fewest_frames = 8;  // to judge a drift by
   const bool is_relaxed = frames.end() - start >= fewest_frames;
   if (is_relaxed) first = std::max(first, static_cast<std::size_t>(start - frames.begin()));
-  const std::string drift = drift_in_words(series, first);
+  const std::string drift = drift_in_words(judged, first);
   if (!drift.empty()) {
     return {gaining ? FlowState::accelerating : FlowState::drifting,
             false,

@@ -20,7 +20,7 @@ struct SteadyCriteria {
   double rest_time = 20.0;        ///< [time]
   double runaway_velocity = 1e9;  ///< faster than any dense flow, still speeding up: accelerating
   double start_up = 0.0;          ///< the window begins no earlier [time]
-  bool mean_flow = true;          ///< the start is also judged by the rise of the mean velocity
+  bool mean_flow = true;          ///< judged too; false: a box that flows both ways
 };
 
 /// Where a run stands after some frames.
