@@ -39,7 +39,7 @@ struct GaussianWell {
   CoulombReference reference = CoulombReference::total;
 
   template <class S>
-  S force(const ContactOf<S>& c, const Mask<S>&) const {
+  [[gnu::always_inline]] S force(const ContactOf<S>& c, const Mask<S>&) const {
     const S x = (c.overlap - width) / width;
     return select(c.overlap > -range(), 2.0 * strength / width * x * exp(-x * x), S(0.0));
   }
@@ -73,7 +73,7 @@ struct ReversibleAdhesion {
   CoulombReference reference = CoulombReference::repulsive;
 
   template <class S>
-  S force(const ContactOf<S>& c, const Mask<S>&) const {
+  [[gnu::always_inline]] S force(const ContactOf<S>& c, const Mask<S>&) const {
     return -max(min(largest_force + slope * c.overlap, S(largest_force)), S(0.0));
   }
   /// Zero out of range [energy].
@@ -102,7 +102,7 @@ struct LiquidBridge {
   CoulombReference reference = CoulombReference::repulsive;
 
   template <class S>
-  S force(const ContactOf<S>& c, const Mask<S>& bridged) const {
+  [[gnu::always_inline]] S force(const ContactOf<S>& c, const Mask<S>& bridged) const {
     const S gap = max(-c.overlap, S(0.0)) * sqrt(c.harmonic_radius / volume);
     const S pull = attraction_per_radius() * c.harmonic_radius /
                    (1.0 + gap * (linear_term + quadratic_term * gap));

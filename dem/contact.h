@@ -13,13 +13,14 @@ namespace grainlaw::dem {
 template <class S>
 struct ContactOf {
   Vector3<S> normal;
-  S distance = S(0.0);         ///< of the centres [length]
-  S overlap = S(0.0);          ///< > 0 where the grains touch, < 0: a gap [length]
-  S normal_velocity = S(0.0);  ///< [length/time]
-  S reduced_mass = S(0.0);     ///< m_i m_j / (m_i + m_j); m_i where j is frozen [mass]
-  S radius_sum = S(0.0);       ///< R_i + R_j [length]
-  S harmonic_radius = S(0.0);  ///< 2 R_i R_j / (R_i + R_j), 2 R_i at a wall; only for laws that
-                               ///< need it [length]
+  S distance = S(0.0);          ///< of the centres [length]
+  S inverse_distance = S(0.0);  ///< [1/length]
+  S overlap = S(0.0);           ///< > 0 where the grains touch, < 0: a gap [length]
+  S normal_velocity = S(0.0);   ///< [length/time]
+  S reduced_mass = S(0.0);      ///< m_i m_j / (m_i + m_j); m_i where j is frozen [mass]
+  S radius_sum = S(0.0);        ///< R_i + R_j [length]
+  S harmonic_radius = S(0.0);   ///< 2 R_i R_j / (R_i + R_j), 2 R_i at a wall; only for laws that
+                                ///< need it [length]
 };
 using Contact = ContactOf<double>;
 

@@ -255,6 +255,9 @@ struct PackOfPairs {
   Pack inverse_mass;       ///< sum of 1/m [1/mass]
   Vector3<Pack> spin;      ///< sum of R omega [length/time]
   Pack grip;               ///< sum of grips
+  TangentialSpring<Pack> spring;
+  Vector3<Pack> force;   ///< on the first, the result [force]
+  Vector3<Pack> torque;  ///< on both, over their radius [force]
 };
 
 /// Sums over packs, before the lanes are added up.
@@ -283,21 +286,18 @@ class ForceLoop {
   void add(Strip& strip, std::size_t begin, std::size_t end, Record&& record) {
     PackSums sums;
     for (std::size_t k = begin; k < end; k += pack_width) {
-      add_pack(strip, k, std::min(pack_width, end - k), sums, record);
+      const std::size_t lanes = std::min(pack_width, end - k);
+      PackOfPairs pairs = load_pairs(strip.acting, k, lanes);
+      compute(pairs, lanes, sums);
+      scatter(strip, k, lanes, pairs, record);
     }
     add_lanes(sums, strip.sums);
   }
 
  private:
-  template <class Record>
-  void add_pack(
-      Strip& strip, std::size_t k, std::size_t lanes, PackSums& sums, Record&& record) const;
   PackOfPairs load_pairs(const PairArrays& acting, std::size_t k, std::size_t lanes) const;
+  void compute(PackOfPairs& pairs, std::size_t lanes, PackSums& sums) const;
   ContactOf<Pack> contact(const PackOfPairs& pairs, const PackMask& valid) const;
-  TangentialSpring<Pack> load_springs(const PackOfPairs& pairs) const;
-  void store_springs(const TangentialSpring<Pack>& spring,
-                     const PackOfPairs& pairs,
-                     std::size_t lanes) const;
   PackMask update_bridges(const PackOfPairs& pairs, const PackMask& touches) const;
   Pack overlap_to_watch(const PackOfPairs& pairs, const ContactOf<Pack>& contact) const;
   template <class Record>
@@ -305,8 +305,6 @@ class ForceLoop {
                std::size_t k,
                std::size_t lanes,
                const PackOfPairs& pairs,
-               const Vector3<Pack>& force,
-               const Vector3<Pack>& torque,
                Record&& record) const;
   void add_lanes(const PackSums& from, ContactSums& to) const;
 
@@ -323,6 +321,7 @@ template <class Law>
   PackOfPairs pairs;
   Row8 rows[pack_width];
   Row4 spins[pack_width];
+  Row4 springs[pack_width];
   for (std::size_t lane = 0; lane < pack_width; ++lane) {
     const std::size_t at = lane < lanes ? k + lane : k;
     const Partner partner{acting.partner[at]};
@@ -338,6 +337,7 @@ template <class Law>
     if constexpr (Law::rotates) {
       spins[lane] = load_row4(&particles_.spin[pairs.first[lane]].velocity.x) +
                     load_row4(&particles_.spin[pairs.second[lane]].velocity.x);
+      springs[lane] = load_row4(&memory_.spring[pairs.pair[lane]].stretch.x);
     }
   }
   Pack column[8];
@@ -351,6 +351,9 @@ template <class Law>
     columns_of(spins, spin);
     pairs.spin = {spin[0], spin[1], spin[2]};
     pairs.grip = spin[3];
+    Pack spring[4];
+    columns_of(springs, spring);
+    pairs.spring = {{spring[0], spring[1], spring[2]}, spring[3]};
   }
   return pairs;
 }
@@ -365,7 +368,8 @@ template <class Law>
   contact.distance = distance2 * inverse_distance;
   contact.overlap = select(valid, pairs.radius_sum - contact.distance, Pack(-1.0));
   contact.normal_velocity = dot(pairs.velocity, contact.normal);
-  contact.reduced_mass = 1.0 / pairs.inverse_mass;
+  contact.reduced_mass = reciprocal(pairs.inverse_mass);
+  contact.inverse_distance = inverse_distance;
   contact.radius_sum = pairs.radius_sum;
   if constexpr (Law::bridges) {
     contact.harmonic_radius = Pack([&](auto lane) {
@@ -374,29 +378,6 @@ template <class Law>
     });
   }
   return contact;
-}
-
-template <class Law>
-[[gnu::always_inline]] inline TangentialSpring<Pack> ForceLoop<Law>::load_springs(
-    const PackOfPairs& pairs) const {
-  Row4 rows[pack_width];
-  for (std::size_t lane = 0; lane < pack_width; ++lane) {
-    rows[lane] = load_row4(&memory_.spring[pairs.pair[lane]].stretch.x);
-  }
-  Pack column[4];
-  columns_of(rows, column);
-  return {{column[0], column[1], column[2]}, column[3]};
-}
-
-template <class Law>
-[[gnu::always_inline]] inline void ForceLoop<Law>::store_springs(
-    const TangentialSpring<Pack>& spring, const PackOfPairs& pairs, std::size_t lanes) const {
-  const Pack column[4] = {spring.stretch.x, spring.stretch.y, spring.stretch.z, spring.slipping};
-  Row4 rows[pack_width];
-  rows_of(column, rows);
-  for (std::size_t lane = 0; lane < lanes; ++lane) {
-    store(rows[lane], &memory_.spring[pairs.pair[lane]].stretch.x);
-  }
 }
 
 /// A bridge forms at the first touch; pairs that leave the range are released elsewhere.
@@ -419,42 +400,37 @@ template <class Law>
   const Pack first([&](auto lane) { return particles_.state[pairs.first[lane]].radius; });
   const Pack second = contact.radius_sum - first;
   const Pack smaller = select(second > 0.5 * setting_.smallest_radius, min(first, second), first);
-  return contact.overlap / smaller;
+  return contact.overlap * reciprocal(smaller);
 }
 
 template <class Law>
-template <class Record>
-[[gnu::always_inline]] inline void ForceLoop<Law>::add_pack(
-    Strip& strip, std::size_t k, std::size_t lanes, PackSums& sums, Record&& record) const {
-  const PackOfPairs pairs = load_pairs(strip.acting, k, lanes);
+[[gnu::always_inline]] inline void ForceLoop<Law>::compute(PackOfPairs& pairs,
+                                                           std::size_t lanes,
+                                                           PackSums& sums) const {
   const PackMask valid = detail::first_lanes(lanes);
   const ContactOf<Pack> contact = this->contact(pairs, valid);
   TangentialMotion<Pack> motion;
-  TangentialSpring<Pack> spring;
   // The contact point divides the distance of the centres as the radii: arms R r / (R_i + R_j) in
   // the surface velocity and in the torque alike keep angular momentum and energy at any overlap.
   Pack arm = 0.0;  // [radius]
   if constexpr (Law::rotates) {
-    arm = contact.distance / contact.radius_sum;
+    arm = contact.distance * reciprocal(contact.radius_sum);
     const Vector3<Pack> sliding = pairs.velocity - contact.normal_velocity * contact.normal;
     motion = {.surface_velocity = sliding - arm * cross(pairs.spin, contact.normal),
-              .normal_rate = (1.0 / contact.distance) * sliding};
-    spring = load_springs(pairs);
+              .normal_rate = contact.inverse_distance * sliding};
   }
   PackMask bridged(false);
   if constexpr (Law::bridges) bridged = update_bridges(pairs, contact.overlap >= 0.0);
 
   ContactForce<Pack> force =
-      contact_force(law_, contact, motion, pairs.grip, bridged, setting_.time_step, spring);
+      contact_force(law_, contact, motion, pairs.grip, bridged, setting_.time_step, pairs.spring);
   if constexpr (Law::attracts) force.normal = select(valid, force.normal, Pack(0.0));
-  const Vector3<Pack> total = force.normal * contact.normal + force.tangential;
-  Vector3<Pack> torque;
+  pairs.force = force.normal * contact.normal + force.tangential;
   sums.normal_dashpot += force.normal_dashpot;
-  if (setting_.moving_images) sums.virial_yy += total.y * pairs.branch.y;
+  if (setting_.moving_images) sums.virial_yy += pairs.force.y * pairs.branch.y;
   sums.largest_overlap = max(sums.largest_overlap, overlap_to_watch(pairs, contact));
   if constexpr (Law::rotates) {
-    torque = -arm * cross(contact.normal, force.tangential);
-    store_springs(spring, pairs, lanes);
+    pairs.torque = -arm * cross(contact.normal, force.tangential);
     sums.tangential_dashpot += force.friction.dashpot;
     sums.slip += force.friction.slip;
     sums.tangential_energy += force.friction.elastic_energy;
@@ -463,7 +439,6 @@ template <class Record>
       sums.prefactor_work += force.prefactor_work;
     }
   }
-  scatter(strip, k, lanes, pairs, total, torque, record);
 }
 
 template <class Law>
@@ -472,17 +447,30 @@ template <class Record>
                                                            std::size_t k,
                                                            std::size_t lanes,
                                                            const PackOfPairs& pairs,
-                                                           const Vector3<Pack>& force,
-                                                           const Vector3<Pack>& torque,
                                                            Record&& record) const {
-  const Pack column[8] = {force.x, force.y, force.z, 0.0, torque.x, torque.y, torque.z, 0.0};
   Row8 rows[pack_width];
-  rows_of(column, rows);
+  Row4 springs[pack_width];
+  rows_of({pairs.force.x,
+           pairs.force.y,
+           pairs.force.z,
+           0.0,
+           pairs.torque.x,
+           pairs.torque.y,
+           pairs.torque.z,
+           0.0},
+          rows);
+  if constexpr (Law::rotates) {
+    const TangentialSpring<Pack>& spring = pairs.spring;
+    rows_of({spring.stretch.x, spring.stretch.y, spring.stretch.z, spring.slipping}, springs);
+  }
   for (std::size_t lane = 0; lane < lanes; ++lane) {
     double* on_first = &particles_.load[pairs.first[lane]].force.x;
     double* on_second = &particles_.load[strip.acting.load[k + lane]].force.x;
     (Row8::load(on_first) + rows[lane]).store(on_first);
     add_scaled(Row8::load(on_second), detail::reaction_sign(), rows[lane]).store(on_second);
+    if constexpr (Law::rotates) {
+      store(springs[lane], &memory_.spring[pairs.pair[lane]].stretch.x);
+    }
     if (setting_.moving_images && pairs.image[lane] != own_image) {
       Row8& across = strip.image_load[pairs.image[lane]];
       across = across + rows[lane];
@@ -491,7 +479,7 @@ template <class Record>
       const auto element = [&](const Vector3<Pack>& v) {
         return Vec3{v.x[lane], v.y[lane], v.z[lane]};
       };
-      record(pairs.first[lane], pairs.second[lane], element(pairs.branch), element(force));
+      record(pairs.first[lane], pairs.second[lane], element(pairs.branch), element(pairs.force));
     }
   }
 }

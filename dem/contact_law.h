@@ -121,7 +121,10 @@ template <class Law, class S>
       const S left = 0.5 * law.friction.stiffness * square(spring.stretch);
       result.spring_lost = select(touches, S(0.0), left);
     }
-    load.prefactor = law.normal.prefactor(contact);
+    if constexpr (!decltype(law.normal)::constant_prefactor) {
+      load.prefactor = law.normal.prefactor(contact);
+      load.inverse_prefactor = reciprocal(load.prefactor);
+    }
     load.coulomb_reference *= grip;
     const Vector3<S> force =
         friction_force(law.friction, contact, motion, load, time_step, spring, result.friction);

@@ -28,6 +28,7 @@ template <class S>
 struct NormalLoad {
   S coulomb_reference = S(0.0);  ///< friction is at most mu times this [force]
   S prefactor = S(1.0);          ///< f(x) of the normal law, before spring and dashpot
+  S inverse_prefactor = S(1.0);
 };
 
 /// No tangential force: grains do not rotate and contacts remember nothing.
@@ -51,7 +52,9 @@ struct Sliding {
   double dashpot = 0.0;      ///< gamma_t [mass/time], the same for all pairs
 
   template <class S>
-  S limit(const NormalLoad<S>& load, const TangentialSpring<S>&, const S&) const {
+  [[gnu::always_inline]] S limit(const NormalLoad<S>& load,
+                                 const TangentialSpring<S>&,
+                                 const S&) const {
     return coefficient * load.coulomb_reference;
   }
 };
@@ -70,7 +73,9 @@ struct StickSlip {
   double dashpot = 0.0;             ///< gamma_t [mass/time], the same for all pairs
 
   template <class S>
-  S limit(const NormalLoad<S>& load, const TangentialSpring<S>& spring, const S& trial2) const {
+  [[gnu::always_inline]] S limit(const NormalLoad<S>& load,
+                                 const TangentialSpring<S>& spring,
+                                 const S& trial2) const {
     const S low = coefficient * load.coulomb_reference;
     const S high = static_coefficient * load.coulomb_reference;
     return select(spring.slipping > 0.5 || trial2 > high * high, low, high);
@@ -95,13 +100,14 @@ template <class Law, class S>
   const Vector3<S> stretched = carried + half_advance;
   const S viscosity = load.prefactor * (law.damping * contact.reduced_mass + law.dashpot);
   const S stiffness = law.stiffness * load.prefactor;
+  const S inverse_stiffness = load.inverse_prefactor * (1.0 / law.stiffness);
   const Vector3<S> dashpot = -viscosity * velocity;
   const Vector3<S> trial = dashpot - stiffness * stretched;
   const S trial2 = square(trial);
   const S limit = law.limit(load, spring, trial2);
   const Mask<S> slips = trial2 > limit * limit;
   const Vector3<S> force = select(slips, limit * inverse_sqrt(trial2), S(1.0)) * trial;
-  const Vector3<S> cut = (S(1.0) / stiffness) * (dashpot - force);
+  const Vector3<S> cut = inverse_stiffness * (dashpot - force);
   const Vector3<S> held{select(slips, cut.x, stretched.x),
                         select(slips, cut.y, stretched.y),
                         select(slips, cut.z, stretched.z)};

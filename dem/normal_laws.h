@@ -10,7 +10,7 @@ namespace grainlaw::dem {
 
 /// The viscosity of a pair, by any of the three ways to state dissipation [mass/time].
 template <class Law, class S>
-S viscosity(const Law& law, const S& reduced_mass) {
+[[gnu::always_inline]] inline S viscosity(const Law& law, const S& reduced_mass) {
   S result = law.damping * reduced_mass + law.dashpot;
   if (law.root_damping > 0.0) result += law.root_damping * sqrt(reduced_mass);
   return result;
@@ -30,18 +30,18 @@ struct Hooke {
       0.0;  ///< [sqrt(mass)/time], times sqrt(m_ij): one restitution for all pairs
 
   template <class S>
-  S elastic_force(const ContactOf<S>& c) const {
+  [[gnu::always_inline]] S elastic_force(const ContactOf<S>& c) const {
     return stiffness * c.overlap;
   }
   /// Of touching grains [force].
   template <class S>
-  S force(const ContactOf<S>& c) const {
+  [[gnu::always_inline]] S force(const ContactOf<S>& c) const {
     const S total = elastic_force(c) - viscosity(*this, c.reduced_mass) * c.normal_velocity;
     return clip_attraction ? max(total, S(0.0)) : total;
   }
   /// f(x) of Brewster et al., by which tangential forces are multiplied too.
   template <class S>
-  S prefactor(const ContactOf<S>&) const {
+  [[gnu::always_inline]] S prefactor(const ContactOf<S>&) const {
     return S(1.0);
   }
   double elastic_energy(const Contact& c) const { return 0.5 * stiffness * c.overlap * c.overlap; }
@@ -87,15 +87,15 @@ struct Hertz {
   static constexpr double root_damping = 0.0;  ///< no single restitution
 
   template <class S>
-  S prefactor(const ContactOf<S>& c) const {
+  [[gnu::always_inline]] S prefactor(const ContactOf<S>& c) const {
     return sqrt(max(c.overlap, S(0.0)) / c.radius_sum);
   }
   template <class S>
-  S elastic_force(const ContactOf<S>& c) const {
+  [[gnu::always_inline]] S elastic_force(const ContactOf<S>& c) const {
     return prefactor(c) * stiffness * c.overlap;
   }
   template <class S>
-  S force(const ContactOf<S>& c) const {
+  [[gnu::always_inline]] S force(const ContactOf<S>& c) const {
     const S total = prefactor(c) *
                     (stiffness * c.overlap - viscosity(*this, c.reduced_mass) * c.normal_velocity);
     return clip_attraction ? max(total, S(0.0)) : total;

@@ -84,6 +84,21 @@ inline double inverse_sqrt(double a) {
 #endif
 }
 
+/// 1 / a, to the last bits [relative error below 4e-16].
+inline double reciprocal(double a) {
+  return 1.0 / a;
+}
+[[gnu::always_inline]] inline Pack reciprocal(const Pack& a) {
+#if defined(__AVX512F__)
+  // As above: with e = 1 - a y, 1/a = y (1 + e + e^2 + e^3 + ...).
+  const Pack y(_mm512_maskz_rcp14_pd(0xff, static_cast<__m512d>(a)));
+  const Pack e = 1.0 - a * y;
+  return y + y * e * (1.0 + e * (1.0 + e));
+#else
+  return 1.0 / a;
+#endif
+}
+
 /// Lanes 0, 1, 2, ... as bits, and back.
 inline std::uint32_t bits(const PackMask& mask) {
   return static_cast<std::uint32_t>(mask.__to_bitset().to_ulong());

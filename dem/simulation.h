@@ -30,7 +30,7 @@ struct SimulationSetup {
   Drive drive;                                   ///< what moves the boundaries
   std::vector<Wall> walls;                       ///< flat and round ones
   double max_overlap = 0.3;                      ///< stop above this fraction of the smaller radius
-  double skin = 0.25;                            ///< of the neighbour list [mean diameter]
+  double skin = 0.35;                            ///< of the neighbour list [mean diameter]
   Vec3 lowest{-infinity, -infinity, -infinity};  ///< a grain beyond is lost [length]
   Vec3 highest{infinity, infinity, infinity};
   int threads = 1;  ///< does not change any number
