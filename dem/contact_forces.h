@@ -285,7 +285,16 @@ class ForceLoop {
   template <class Record>
   void add(Strip& strip, std::size_t begin, std::size_t end, Record&& record) {
     PackSums sums;
-    for (std::size_t k = begin; k < end; k += pack_width) {
+    std::size_t k = begin;
+    for (; k + 2 * pack_width <= end; k += 2 * pack_width) {
+      PackOfPairs a = load_pairs(strip.acting, k, pack_width);
+      PackOfPairs b = load_pairs(strip.acting, k + pack_width, pack_width);
+      compute(a, pack_width, sums);
+      compute(b, pack_width, sums);
+      scatter(strip, k, pack_width, a, record);
+      scatter(strip, k + pack_width, pack_width, b, record);
+    }
+    for (; k < end; k += pack_width) {
       const std::size_t lanes = std::min(pack_width, end - k);
       PackOfPairs pairs = load_pairs(strip.acting, k, lanes);
       compute(pairs, lanes, sums);

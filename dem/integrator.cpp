@@ -64,26 +64,29 @@ auto with_field(const Dynamics& dynamics, Use&& use) {
   return use(AffineField(std::get<Affine>(dynamics.field)));
 }
 
-/// Leapfrog of one vector: half step on, prediction for the next contact; returns the way per time.
-/// The fourth element of `rate` is 0, so what stands beside the velocity stays what it is.
-Row4 leap(HalfStep& half, double* predicted, const Row4& rate, double dt) {
-  const Row4 velocity = load_row4(&half.velocity.x) + dt * rate;
-  const Row4 last = load_row4(&half.last_rate.x);
-  store(velocity, &half.velocity.x);
-  store(velocity + dt * (rate - 0.5 * last), predicted);
-  store(rate, &half.last_rate.x);
-  return velocity;
-}
+/// Leapfrog of one vector: what it needs is read when it is made and written by store(), so that
+/// the records of a grain are all read before any is written (a load close behind a store to
+/// another record at the same place in its page would wait for it). The fourth element of `rate` is
+/// 0, so what stands beside the velocity stays what it is.
+struct Leap {
+  Row4 velocity;
+  Row4 predicted;
+  Row4 rate;
 
-void advance_spins(Particles& particles, double dt, std::size_t begin, std::size_t end) {
-  for (std::size_t i = begin; i < end; ++i) {
-    const Row4 rate =
-        (inertia_ratio * particles.state[i].inverse_mass) * load_row4(&particles.load[i].torque.x);
-    leap(particles.half_spin[i], &particles.spin[i].velocity.x, rate, dt);
+  Leap(const HalfStep& half, const Row4& new_rate, double dt)
+      : velocity(load_row4(&half.velocity.x) + dt * new_rate),
+        predicted(velocity + dt * (new_rate - 0.5 * load_row4(&half.last_rate.x))),
+        rate(new_rate) {}
+
+  void write(HalfStep& half, double* prediction) const {
+    store(velocity, &half.velocity.x);
+    store(rate, &half.last_rate.x);
+    store(predicted, prediction);
   }
-}
+};
 
-template <class Field>
+/// Translation and rotation in one pass: a grain's records come from memory once.
+template <bool rotates, class Field>
 Motion advance_in(const Field& field,
                   Particles& particles,
                   double dt,
@@ -100,31 +103,37 @@ Motion advance_in(const Field& field,
   Row4 sum = zero;  // carries any NaN, which comparisons would drop
   double work = 0.0;
   double kinetic_yy = 0.0;
+  const auto other_axis = frame.along_y ? 1 : 2;
   for (std::size_t i = begin; i < end; ++i) {
     GrainState& grain = particles.state[i];
+    GrainLoad& load = particles.load[i];
     HalfStep& half = particles.half[i];
+    const double inverse_mass = grain.inverse_mass;
     const Row4 position = load_row4(&grain.position.x);
     const Row4 external = field.at(position);
-    const Row4 rate = grain.inverse_mass * load_row4(&particles.load[i].force.x) + external;
+    const Leap leap(half, inverse_mass * load_row4(&load.force.x) + external, dt);
     if constexpr (!Field::uniform) {
-      const Vec3 twice_mean = 2.0 * half.velocity + dt * vector(rate);
-      work += 0.5 * dt * dot(twice_mean, vector(external)) / grain.inverse_mass;
+      const Vec3 twice_mean = 2.0 * half.velocity + dt * vector(leap.rate);
+      work += 0.5 * dt * dot(twice_mean, vector(external)) / inverse_mass;
+      const double c = leap.velocity[1] - field.strain_rate() * (position[1] - field.middle());
+      kinetic_yy += c * c / inverse_mass;
     }
-    const Row4 velocity = leap(half, &grain.velocity.x, rate, dt);
-    if constexpr (!Field::uniform) {
-      const double c = velocity[1] - field.strain_rate() * (position[1] - field.middle());
-      kinetic_yy += c * c / grain.inverse_mass;
+    if constexpr (rotates) {
+      const Row4 spin_rate = (inertia_ratio * inverse_mass) * load_row4(&load.torque.x);
+      const Leap turn(particles.half_spin[i], spin_rate, dt);
+      turn.write(particles.half_spin[i], &particles.spin[i].velocity.x);
+      store(zero, &load.torque.x);
     }
-    const Row4 next = position + way * velocity;
+    const Row4 next = position + way * leap.velocity;
+    leap.write(half, &grain.velocity.x);
     store(next, &grain.position.x);
-    store(zero, &particles.load[i].force.x);
-    store(zero, &particles.load[i].torque.x);
-    const double at = frame.along_y ? grain.position.y : grain.position.z;
-    const Row4 relative = velocity - (frame_velocity + at * frame_gradient);
+    store(zero, &load.force.x);
+    const double at = next[other_axis];
+    const Row4 relative = leap.velocity - (frame_velocity + at * frame_gradient);
     fastest = max(fastest, max(relative, -relative));
     lowest = min(lowest, next);
     highest = max(highest, next);
-    sum += velocity;
+    sum += leap.velocity;
   }
   return {vector(fastest),
           vector(lowest),
@@ -165,9 +174,10 @@ Motion advance(Particles& particles,
                const Frame& frame,
                std::size_t begin,
                std::size_t end) {
-  if (particles.rotates()) advance_spins(particles, dynamics.time_step, begin, end);
   return with_field(dynamics, [&](const auto& field) {
-    return advance_in(field, particles, dynamics.time_step, frame, begin, end);
+    const double dt = dynamics.time_step;
+    return particles.rotates() ? advance_in<true>(field, particles, dt, frame, begin, end)
+                               : advance_in<false>(field, particles, dt, frame, begin, end);
   });
 }
 
