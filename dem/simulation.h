@@ -65,6 +65,7 @@ class SimulationBase {
   const Particles& particles() const { return particles_; }
   const NeighbourList& neighbours() const { return list_; }
   const std::vector<Strip>& strips() const { return strips_; }
+  const PairMemory& memory() const { return memory_; }
   long rebuilds() const { return rebuilds_; }
   /// Velocity and R omega of mobile grain i at the time of its position [length/time].
   Vec3 velocity(std::size_t i) const { return dem::velocity(particles_, i, setup_.dynamics); }
