@@ -8,6 +8,7 @@
 
 #include "dem/box.h"
 #include "dem/contact_law.h"
+#include "dem/integrator.h"
 #include "dem/neighbour_list.h"
 #include "dem/particles.h"
 
@@ -74,6 +75,7 @@ struct Strip {
   std::vector<std::uint8_t> near_active;  ///< a bit per near pair: acted at the last step
   PairArrays acting;                      ///< pairs that act at this step
   ContactSums sums;                       ///< of this step
+  Motion motion;                          ///< of this step
   std::array<Row8, 27> image_load;        ///< forces across moving images, on the first grain
 };
 

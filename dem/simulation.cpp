@@ -103,12 +103,12 @@ std::size_t SimulationBase::acting_pairs() const {
 }
 
 void SimulationBase::advance_grains() {
-  std::vector<Motion> motions(strips_.size());
   team_->run(strips_.size(), [&](std::size_t s) {
-    motions[s] = advance(particles_, setup_.dynamics, frame_, strips_[s].begin, strips_[s].end);
+    strips_[s].motion =
+        advance(particles_, setup_.dynamics, frame_, strips_[s].begin, strips_[s].end);
   });
-  motion_ = motions.front();
-  for (std::size_t s = 1; s < motions.size(); ++s) motion_ += motions[s];
+  motion_ = strips_.front().motion;
+  for (std::size_t s = 1; s < strips_.size(); ++s) motion_ += strips_[s].motion;
   for (std::size_t i = particles_.mobile; i < particles_.size(); ++i) particles_.load[i] = {};
   ++steps_;
   const double dt = setup_.dynamics.time_step;

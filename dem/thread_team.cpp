@@ -28,18 +28,25 @@ ThreadTeam::~ThreadTeam() {
   phase_.notify_all();
 }
 
-void ThreadTeam::run(std::size_t count, const std::function<void(std::size_t)>& task) {
+void ThreadTeam::run(std::size_t count, const void* task, Call call) {
   if (threads_.empty()) {
-    for (std::size_t k = 0; k < count; ++k) task(k);
+    for (std::size_t k = 0; k < count; ++k) call(task, k);
     return;
   }
-  task_ = &task;
+  task_ = task;
+  call_ = call;
   count_ = count;
   busy_ = threads_.size();
   ++phase_;
   phase_.notify_all();
   work(0);
-  while (busy_.load(std::memory_order_acquire) > 0) pause();
+  for (int k = 0; busy_ > 0; ++k) {
+    // Where another program holds the core of a member, let it have this one's.
+    if (k < looks_before_sleep)
+      pause();
+    else
+      std::this_thread::yield();
+  }
   for (std::exception_ptr& error : errors_) {
     if (error) std::rethrow_exception(std::exchange(error, nullptr));
   }
@@ -61,7 +68,7 @@ void ThreadTeam::work(std::size_t member) {
   try {
     const std::size_t begin = count_ * member / errors_.size();
     const std::size_t end = count_ * (member + 1) / errors_.size();
-    for (std::size_t k = begin; k < end; ++k) (*task_)(k);
+    for (std::size_t k = begin; k < end; ++k) call_(task_, k);
   } catch (...) {
     errors_[member] = std::current_exception();
   }

@@ -1,7 +1,8 @@
 #pragma once
 
 #include <atomic>
-#include <functional>
+#include <cstddef>
+#include <exception>
 #include <thread>
 #include <vector>
 
@@ -19,14 +20,20 @@ class ThreadTeam {
 
   /// Calls task(k) for k = 0 to count - 1, each once, in stretches of neighbouring k, one stretch a
   /// thread; returns when all are done. The first exception of a task is thrown again here.
-  void run(std::size_t count, const std::function<void(std::size_t)>& task);
+  template <class Task>
+  void run(std::size_t count, const Task& task) {
+    run(count, &task, [](const void* of, std::size_t k) { (*static_cast<const Task*>(of))(k); });
+  }
 
  private:
+  using Call = void (*)(const void* task, std::size_t k);
+  void run(std::size_t count, const void* task, Call call);
   void serve(std::size_t member);
   void work(std::size_t member);
 
   std::vector<std::jthread> threads_;
-  const std::function<void(std::size_t)>* task_ = nullptr;
+  const void* task_ = nullptr;
+  Call call_ = nullptr;
   std::size_t count_ = 0;
   std::atomic<long> phase_{0};
   std::atomic<std::size_t> busy_{0};
