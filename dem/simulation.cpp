@@ -270,18 +270,24 @@ void SimulationBase::book(const ContactSums& sums) {
   ledger_.prefactor_work += sums.prefactor_work;
   ledger_.bridge_lost += sums.bridge_lost;
   ledger_.field_work += motion_.field_work;
-  if (!std::holds_alternative<Still>(setup_.drive)) {
-    ledger_.boundary_work += dt * boundary_power(particles_);
-  }
-  if (!contacts_.moving_images) return;
+  const double power = boundary_power();
+  ledger_.boundary_work += 0.5 * dt * (boundary_power_ + power);
+  boundary_power_ = power;
+}
+
+/// What moving walls and moving images hand to the grains now.
+double SimulationBase::boundary_power() const {
+  if (std::holds_alternative<Still>(setup_.drive)) return 0.0;
+  double power = dem::boundary_power(particles_);
+  if (!contacts_.moving_images) return power;
   for (const Strip& strip : strips_) {
     for (std::size_t image = 0; image < strip.image_load.size(); ++image) {
       alignas(64) double load[8];
       strip.image_load[image].store(load);
-      ledger_.boundary_work +=
-          dt * dot(Vec3{load[0], load[1], load[2]}, contacts_.shifts[image].velocity);
+      power += dot(Vec3{load[0], load[1], load[2]}, contacts_.shifts[image].velocity);
     }
   }
+  return power;
 }
 
 /// Of gravity, from the way of all grains.

@@ -95,6 +95,7 @@ class SimulationBase {
   template <class Visit>
   void for_scalars(Visit&& visit);
   double field_work() const;
+  double boundary_power() const;
   ContactSums sums_of_strips() const;
 
   SimulationSetup setup_;
@@ -127,8 +128,9 @@ class SimulationBase {
   double stress_yy_ = 0.0;
   double kinetic_yy_ = 0.0;
   double largest_overlap_ = 0.0;
-  Vec3 first_moment_;  ///< sum of m x when the ledger was opened [mass length]
-  Vec3 wrapped_;       ///< of it, by wrapping
+  double boundary_power_ = 0.0;  ///< at the last step [energy/time]
+  Vec3 first_moment_;            ///< sum of m x when the ledger was opened [mass length]
+  Vec3 wrapped_;                 ///< of it, by wrapping
   long steps_ = 0;
   long rebuilds_ = 0;
 };
@@ -182,6 +184,7 @@ class Simulation : public SimulationBase {
     wrapped_ = {};
     ledger_ = {};
     ledger_.initial_energy = mechanical_energy();
+    boundary_power_ = boundary_power();
     first_moment_ = mass_moment(particles_);
     steps_ = 0;
     largest_overlap_ = sums_.largest_overlap;
