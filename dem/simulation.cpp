@@ -135,6 +135,22 @@ void SimulationBase::move_boundaries() {
   dem::move_boundaries(setup_.drive, setup_.dynamics.time_step, box_, particles_);
   if (contacts_.moving_images) contacts_.shifts = box_.image_shifts();
   stand_ins_.update(particles_, setup_.walls);
+  const double way = setup_.dynamics.time_step * boundary_approach();
+  closing_rate_ += way;
+  closed_since_rebuild_ += way;
+  closed_since_search_ += way;
+}
+
+/// How fast images and walls may approach grains at most, beyond what frame and fastest_frozen_
+/// tell: images that do not follow the mean flow, as at a start from rest, and a wall that has
+/// begun to move since the list was built [length/time].
+double SimulationBase::boundary_approach() const {
+  if (contacts_.moving_images) {
+    const Vec3 mean{frame_.gradient * box_.period.y, 0.0, 0.0};
+    return length(box_.top_velocity - mean);
+  }
+  const auto* wall = std::get_if<WallDrive>(&setup_.drive);
+  return wall ? std::abs(wall->rise) : 0.0;
 }
 
 bool SimulationBase::must_rebuild() const {

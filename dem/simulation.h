@@ -96,6 +96,7 @@ class SimulationBase {
   void for_scalars(Visit&& visit);
   double field_work() const;
   double boundary_power() const;
+  double boundary_approach() const;
   ContactSums sums_of_strips() const;
 
   SimulationSetup setup_;
@@ -176,6 +177,7 @@ class Simulation : public SimulationBase {
   void set_drive(const Drive& drive) {
     setup_.drive = drive;
     start_boundaries(setup_.drive, box_, particles_);
+    closed_since_rebuild_ = SimulationSetup::infinity;  // the list was made for other velocities
   }
 
   /// Starts the bookkeeping of energy, time and steps afresh.
