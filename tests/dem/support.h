@@ -51,14 +51,14 @@ inline Vec3 scatter(std::size_t k) {
 }
 
 /// A gas with random velocities in a box that is periodic in all directions; its momentum is 0.
-inline InitialState gas(double period, std::size_t grains, double speed) {
+inline InitialState gas(double period, std::size_t grains, double speed, std::size_t seed = 0) {
   InitialState gas;
   gas.box.period = {period, period, period};
   const std::vector<double> sizes(grains, 1.0);
   Vec3 mean;
-  for (const Vec3& place : random_packing(gas.box, sizes, 7)) {
+  for (const Vec3& place : random_packing(gas.box, sizes, 7 + seed)) {
     const std::size_t k = gas.grains.size();
-    gas.grains.push_back({.position = place, .velocity = speed * scatter(k)});
+    gas.grains.push_back({.position = place, .velocity = speed * scatter(k + 1000 * seed)});
     mean += 1.0 / static_cast<double>(grains) * gas.grains.back().velocity;
   }
   for (InitialGrain& grain : gas.grains) grain.velocity -= mean;
