@@ -286,7 +286,7 @@ class ForceLoop {
   /// force_on_first) sees each of them.
   template <class Record>
   void add(Strip& strip, std::size_t begin, std::size_t end, Record&& record) {
-    PackSums sums;
+    PackSums sums = sums_;
     std::size_t k = begin;
     for (; k + 2 * pack_width <= end; k += 2 * pack_width) {
       PackOfPairs a = load_pairs(strip.acting, k, pack_width);
@@ -302,8 +302,11 @@ class ForceLoop {
       compute(pairs, lanes, sums);
       scatter(strip, k, lanes, pairs, record);
     }
-    add_lanes(sums, strip.sums);
+    sums_ = sums;
   }
+
+  /// Adds up the lanes, once for all pairs: sums must not depend on how many are taken at a time.
+  void finish(Strip& strip) const { add_lanes(sums_, strip.sums); }
 
  private:
   PackOfPairs load_pairs(const PairArrays& acting, std::size_t k, std::size_t lanes) const;
@@ -323,6 +326,7 @@ class ForceLoop {
   const ContactSetting& setting_;
   Particles& particles_;
   PairMemory& memory_;
+  PackSums sums_;
 };
 
 template <class Law>
@@ -532,6 +536,7 @@ void add_contact_forces(const Law& law,
     loop.add(strip, done, ready, record);
     done = ready;
   }
+  loop.finish(strip);
 }
 
 }  // namespace grainlaw::dem

@@ -116,10 +116,10 @@ Wrapping wrap(Particles& particles, const Box& box, std::vector<double>* turns) 
     const double mass = 1.0 / grain.inverse_mass;
     done.displacement += mass * (grain.position - before);
     if (above == 0.0) continue;
-    // The velocity at n is half_velocity + dt/2 a: what counts for the energy is the change.
+    // The velocity half a step before: the force of this step works on the new image already.
     const Vec3 change = -above * box.top_velocity;
-    const Vec3 now = grain.velocity;
-    done.kinetic_energy += 0.5 * mass * (square(now + change) - square(now));
+    const Vec3 before_change = particles.half[i].velocity;
+    done.kinetic_energy += mass * dot(change, before_change + 0.5 * change);
     grain.velocity += change;
     particles.half[i].velocity += change;
   }

@@ -135,6 +135,22 @@ void SimulationBase::move_boundaries() {
   dem::move_boundaries(setup_.drive, setup_.dynamics.time_step, box_, particles_);
   if (contacts_.moving_images) contacts_.shifts = box_.image_shifts();
   stand_ins_.update(particles_, setup_.walls);
+  const double way = setup_.dynamics.time_step * boundary_approach();
+  closing_rate_ += way;
+  closed_since_rebuild_ += way;
+  closed_since_search_ += way;
+}
+
+/// How fast images and walls may approach grains at most, beyond what frame and fastest_frozen_
+/// tell: images that do not follow the mean flow, as at a start from rest, and a wall that has
+/// begun to move since the list was built [length/time].
+double SimulationBase::boundary_approach() const {
+  if (contacts_.moving_images) {
+    const Vec3 mean{frame_.gradient * box_.period.y, 0.0, 0.0};
+    return length(box_.top_velocity - mean);
+  }
+  const auto* wall = std::get_if<WallDrive>(&setup_.drive);
+  return wall ? std::abs(wall->rise) : 0.0;
 }
 
 bool SimulationBase::must_rebuild() const {
@@ -270,18 +286,24 @@ void SimulationBase::book(const ContactSums& sums) {
   ledger_.prefactor_work += sums.prefactor_work;
   ledger_.bridge_lost += sums.bridge_lost;
   ledger_.field_work += motion_.field_work;
-  if (!std::holds_alternative<Still>(setup_.drive)) {
-    ledger_.boundary_work += dt * boundary_power(particles_);
-  }
-  if (!contacts_.moving_images) return;
+  const double power = boundary_power();
+  ledger_.boundary_work += 0.5 * dt * (boundary_power_ + power);
+  boundary_power_ = power;
+}
+
+/// What moving walls and moving images hand to the grains now.
+double SimulationBase::boundary_power() const {
+  if (std::holds_alternative<Still>(setup_.drive)) return 0.0;
+  double power = dem::boundary_power(particles_);
+  if (!contacts_.moving_images) return power;
   for (const Strip& strip : strips_) {
     for (std::size_t image = 0; image < strip.image_load.size(); ++image) {
       alignas(64) double load[8];
       strip.image_load[image].store(load);
-      ledger_.boundary_work +=
-          dt * dot(Vec3{load[0], load[1], load[2]}, contacts_.shifts[image].velocity);
+      power += dot(Vec3{load[0], load[1], load[2]}, contacts_.shifts[image].velocity);
     }
   }
+  return power;
 }
 
 /// Of gravity, from the way of all grains.

@@ -95,6 +95,8 @@ class SimulationBase {
   template <class Visit>
   void for_scalars(Visit&& visit);
   double field_work() const;
+  double boundary_power() const;
+  double boundary_approach() const;
   ContactSums sums_of_strips() const;
 
   SimulationSetup setup_;
@@ -127,8 +129,9 @@ class SimulationBase {
   double stress_yy_ = 0.0;
   double kinetic_yy_ = 0.0;
   double largest_overlap_ = 0.0;
-  Vec3 first_moment_;  ///< sum of m x when the ledger was opened [mass length]
-  Vec3 wrapped_;       ///< of it, by wrapping
+  double boundary_power_ = 0.0;  ///< at the last step [energy/time]
+  Vec3 first_moment_;            ///< sum of m x when the ledger was opened [mass length]
+  Vec3 wrapped_;                 ///< of it, by wrapping
   long steps_ = 0;
   long rebuilds_ = 0;
 };
@@ -174,6 +177,7 @@ class Simulation : public SimulationBase {
   void set_drive(const Drive& drive) {
     setup_.drive = drive;
     start_boundaries(setup_.drive, box_, particles_);
+    closed_since_rebuild_ = SimulationSetup::infinity;  // the list was made for other velocities
   }
 
   /// Starts the bookkeeping of energy, time and steps afresh.
@@ -182,6 +186,7 @@ class Simulation : public SimulationBase {
     wrapped_ = {};
     ledger_ = {};
     ledger_.initial_energy = mechanical_energy();
+    boundary_power_ = boundary_power();
     first_moment_ = mass_moment(particles_);
     steps_ = 0;
     largest_overlap_ = sums_.largest_overlap;

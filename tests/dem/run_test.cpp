@@ -12,8 +12,8 @@ using namespace test;
 /// A chute on 5 d by 5 d, 6 d deep: small enough for a test, deep enough to have a bulk.
 Scene flowing_chute() {
   Scene scene = small_chute(27.0, 170);
-  scene.geometry.length = 5.0;
-  scene.geometry.width = 5.0;
+  std::get<Chute>(scene.geometry).length = 5.0;
+  std::get<Chute>(scene.geometry).width = 5.0;
   scene.measurement.averaging_time = 40.0;
   scene.measurement.time_limit = 80.0;
   return scene;
@@ -58,6 +58,12 @@ TEST(Run, BlockVelocitiesAverageToTheRows) {
   }
 }
 
+RunOptions observed_by(Observer observer) {
+  RunOptions options;
+  options.observer = std::move(observer);
+  return options;
+}
+
 bool same_numbers(const LocalData& a, const LocalData& b) {
   if (a.rows.size() != b.rows.size() || a.frames.frames.size() != b.frames.frames.size())
     return false;
@@ -77,7 +83,7 @@ TEST(Run, SameSeedGivesTheSameNumbersAndAnotherSeedOthers) {
   scene.measurement.time_limit = 12.0;
   const LocalData first = run(scene);
   EXPECT_TRUE(same_numbers(first, run(scene)));
-  EXPECT_TRUE(same_numbers(first, run(scene, [](const Progress&) { return true; })));
+  EXPECT_TRUE(same_numbers(first, run(scene, observed_by([](const Progress&) { return true; }))));
   scene.seed = 2;
   EXPECT_FALSE(same_numbers(first, run(scene)));
 }
@@ -98,11 +104,43 @@ TEST(Run, SteepLayerEndsAcceleratingBeforeTheTimeLimit) {
 
 TEST(Run, ObserverStopsTheRunAndKeepsItsFrames) {
   const Scene scene = small_chute(25.0);
-  const LocalData data = run(scene, [](const Progress& p) { return p.time < 6.0; });
+  const LocalData data = run(scene, observed_by([](const Progress& p) { return p.time < 6.0; }));
   EXPECT_EQ(data.frames.frames.size(), 4u);  // told to stop after the first frame that ends past 6
   EXPECT_FALSE(data.window.steady);
-  const LocalData none = run(scene, [](const Progress& p) { return !p.settling; });
+  const LocalData none = run(scene, observed_by([](const Progress& p) { return !p.settling; }));
   EXPECT_TRUE(none.frames.frames.empty());
+}
+
+/// Every geometry from packing to rows, in a second or so.
+TEST(Run, EveryGeometryGivesFlowingRowsAndClosesItsLedger) {
+  for (Scene scene : {small_shear(std::nullopt, 150),
+                      small_shear(10.0, 150),
+                      small_plane_shear(10.0),
+                      small_force_box(),
+                      small_ring()}) {
+    scene.measurement.averaging_time = 8.0;
+    scene.measurement.time_limit = 10.0;
+    const LocalData data = run(scene);
+    EXPECT_EQ(data.conditions.geometry, kind(scene.geometry));
+    EXPECT_FALSE(data.rows.empty()) << kind(scene.geometry);
+    for (const LocalRow& row : data.rows) EXPECT_TRUE(std::isfinite(row.velocity.value));
+    EXPECT_LE(data.summary.energy_residual, 1e-3) << kind(scene.geometry);
+    EXPECT_GT(data.summary.coordination, 0.1) << kind(scene.geometry);
+  }
+}
+
+TEST(Run, ShearedBoxUnderPressureKeepsItInItsRow) {
+  Scene scene = small_shear(20.0, 300);
+  scene.measurement.averaging_time = 20.0;
+  scene.measurement.time_limit = 25.0;
+  const LocalData data = run(scene);
+  ASSERT_EQ(data.rows.size(), 1u);
+  const LocalRow& row = data.rows.front();
+  // Blocks of the window and what the piston has not yet made good of the start: 0.5 %.
+  EXPECT_NEAR(row.normal_stress.value, 20.0, 4.0 * row.normal_stress.error + 0.1);
+  EXPECT_DOUBLE_EQ(row.shear_rate.value, 1.0);
+  EXPECT_GT(row.friction.value, 0.2);
+  EXPECT_LT(row.friction.value, 1.0);
 }
 
 TEST(Run, FrictionlessGrainsRun) {
