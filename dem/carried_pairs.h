@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "dem/contact_forces.h"
+#include "dem/acting_pairs.h"
 #include "dem/neighbour_list.h"
 #include "dem/particles.h"
 #include "dem/stand_ins.h"
