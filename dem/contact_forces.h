@@ -99,7 +99,9 @@ class ForceLoop {
   PackOfPairs load_pairs(const PairArrays& acting, std::size_t k, std::size_t lanes) const;
   void compute(PackOfPairs& pairs, std::size_t lanes, PackSums& sums) const;
   ContactOf<Pack> contact(const PackOfPairs& pairs, const PackMask& valid) const;
-  PackMask update_bridges(const PackOfPairs& pairs, const PackMask& touches) const;
+  PackMask update_bridges(const PackOfPairs& pairs,
+                          const PackMask& touches,
+                          std::size_t lanes) const;
   Pack overlap_to_watch(const PackOfPairs& pairs, const ContactOf<Pack>& contact) const;
   template <class Record>
   void scatter(Strip& strip,
@@ -184,14 +186,15 @@ template <class Law>
 
 /// A bridge forms at the first touch; pairs that leave the range are released elsewhere.
 template <class Law>
-PackMask ForceLoop<Law>::update_bridges(const PackOfPairs& pairs, const PackMask& touches) const {
+PackMask ForceLoop<Law>::update_bridges(const PackOfPairs& pairs,
+                                        const PackMask& touches,
+                                        std::size_t lanes) const {
   std::uint32_t bridged = bits(touches);
-  for (std::size_t lane = 0; lane < pack_width; ++lane) {
+  for (std::size_t lane = 0; lane < lanes; ++lane) {
     std::uint8_t& bridge = memory_.bridge[pairs.pair[lane]];
     bridged |= std::uint32_t{bridge} << lane;
     bridge = bridged >> lane & 1u;
   }
-  memory_.bridge[memory_.pairs] = 0;
   return mask_of(bridged);
 }
 
@@ -222,7 +225,7 @@ template <class Law>
               .normal_rate = contact.inverse_distance * sliding};
   }
   PackMask bridged(false);
-  if constexpr (Law::bridges) bridged = update_bridges(pairs, contact.overlap >= 0.0);
+  if constexpr (Law::bridges) bridged = update_bridges(pairs, contact.overlap >= 0.0, lanes);
 
   ContactForce<Pack> force =
       contact_force(law_, contact, motion, pairs.grip, bridged, setting_.time_step, pairs.spring);

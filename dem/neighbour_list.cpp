@@ -47,7 +47,9 @@ std::array<Step, 3> steps(const Axis& axis, int cell, int& count) {
   for (int k = cell - 1; k <= cell + 1; ++k) {
     if (axis.periodic) {
       const int face = k < 0 ? -1 : k >= axis.cells ? 1 : 0;
-      found[count++] = {k - face * axis.cells, face};
+      const int inside = k - face * axis.cells;
+      // A whole period beyond the face: too far, for a point displaced by half a period at most.
+      if (inside >= 0 && inside < axis.cells) found[count++] = {inside, face};
     } else if (k >= 0 && k < axis.cells) {
       found[count++] = {k, 0};
     }

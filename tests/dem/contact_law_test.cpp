@@ -1,203 +1,315 @@
+#include "dem/contact_law.h"
+
 #include <gtest/gtest.h>
 
 #include "dem/binary_collision.h"
-#include "tests/dem/support.h"
+#include "tests/dem/pair_support.h"
 
 namespace grainlaw::dem {
 namespace {
 
 using namespace test;
 
-constexpr double half_mass = 0.5;
+constexpr double half = 0.5;  // reduced mass of equal grains of mass 1
 
-struct Impact {
-  Vec3 velocity;  // of the first grain after the contact; the second has the opposite one
-  Vec3 spin;      // R omega of both
-  double time = 0.0;
+Contact touching(double overlap, double normal_velocity) {
+  Contact c;
+  c.normal = {1.0, 0.0, 0.0};
+  c.overlap = overlap;
+  c.normal_velocity = normal_velocity;
+  c.reduced_mass = half;
+  c.radius_sum = 1.0;
+  return c;
+}
+
+template <class Normal>
+ContactLaw<Normal, Cohesionless, Frictionless> smooth(const Normal& normal) {
+  return {normal, {}, {}};
+}
+
+// Brewster et al. 2008, eqs. 7 and 8, evaluated apart to 7 digits.
+TEST(Hooke, CollisionTimeAndRestitutionAreThoseOfTheDampedOscillator) {
+  EXPECT_NEAR(hooke.collision_time(half), 4.971179e-3, 5e-10);
+  EXPECT_NEAR(hooke.restitution(half), 0.883133, 5e-7);
+  EXPECT_NEAR(damping_for(0.88, 2e5, half), 51.4275, 5e-5);
+}
+
+TEST(Hooke, CollisionsRestituteWhatStiffnessAndDampingSay) {
+  const double exact = hooke.restitution(half);
+  const double step = hooke.collision_time(half) / 500.0;
+  EXPECT_NEAR(restitution(smooth(hooke), 1.0, step, 1000).mean, exact, 1e-4);
+  const auto usual = restitution(smooth(hooke), 1.0, hooke.contact_time(half) / 50.0, 1000);
+  std::cout << "restitution at 1/50 of the contact time: mean " << usual.mean << ", spread "
+            << usual.spread << ", Brewster eq. 7 " << exact << '\n';
+  RecordProperty("restitution_mean_at_default_step", std::to_string(usual.mean));
+  RecordProperty("restitution_spread_at_default_step", std::to_string(usual.spread));
+}
+
+TEST(Hooke, RestitutionErrorFallsFasterThanFirstOrder) {
+  const double exact = hooke.restitution(half);
+  const double time = hooke.collision_time(half);
+  const double coarse = restitution(smooth(hooke), 1.0, time / 50.0, 2000).mean - exact;
+  const double fine = restitution(smooth(hooke), 1.0, time / 200.0, 2000).mean - exact;
+  // First order: 4, second order: 16. The kinks at the ends of the contact, met anywhere within a
+  // step, are averaged over 2000 phases: to spread / 2000, 4e-7.
+  std::cout << "error at 1/50: " << coarse << ", at 1/200: " << fine << '\n';
+  EXPECT_LT(std::abs(fine), std::abs(coarse) / 8.0);
+}
+
+TEST(Hooke, MeanRestitutionIsTheMeanOverTheStartPhases) {
+  const double step = hooke.contact_time(half) / 50.0;
+  const auto phases = restitution(smooth(hooke), 0.3, step, 64);
+  EXPECT_NEAR(mean_restitution(smooth(hooke), {}, 0.3, step), phases.mean, 1e-10);
+}
+
+// No force pulls touching grains together: the collision ends where the oscillator's force changes
+// sign, at tan(w t) = -2 l w / (w^2 - l^2), l = gamma/2, w = pi / t_col.
+TEST(Hooke, WithoutAttractionTheCollisionEndsWhereTheForceVanishes) {
+  Hooke clipped = hooke;
+  clipped.clip_attraction = true;
+  const double l = 0.5 * hooke.damping;
+  const double w = std::numbers::pi / hooke.collision_time(half);
+  const double end = (std::numbers::pi - std::atan2(2.0 * l * w, w * w - l * l)) / w;
+  const double exact = -std::exp(-l * end) * (std::cos(w * end) - l / w * std::sin(w * end));
+  EXPECT_GT(exact, hooke.restitution(half));
+  const double step = hooke.collision_time(half) / 500.0;
+  EXPECT_NEAR(restitution(smooth(clipped), 1.0, step, 200).mean, exact, 1e-4);
+  const Contact leaving = touching(1e-6, 1.0);
+  EXPECT_LT(hooke.force(leaving), 0.0);
+  EXPECT_EQ(clipped.force(leaving), 0.0);
+}
+
+TEST(Hooke, ForceAtZeroOverlapIsTheDashpotAlone) {
+  const Contact contact = touching(0.0, -2.0);
+  EXPECT_DOUBLE_EQ(hooke.force(contact), 50.0 * half * 2.0);
+  EXPECT_EQ(hooke.elastic_energy(contact), 0.0);
+}
+
+// k_n 2e5, gamma_n 50, v 1: 0.97527 (Brewster et al. 2008, eq. 2, integrated apart; LAMMPS gives
+// 0.975270). There is no single restitution: it falls with speed.
+TEST(Hertz, RestitutionIsThatOfTheEquationOfMotion) {
+  EXPECT_NEAR(head_on(hertz, half, 1.0, 1.0, 1e-6).restitution, 0.97527, 5e-6);
+  double last = 1.0;
+  for (const double speed : {0.01, 0.1, 1.0, 10.0}) {
+    const double time = hertz.collision_time(half, 1.0, speed);
+    const double exact = head_on(hertz, half, 1.0, speed, time / 20'000.0).restitution;
+    const double found = restitution(smooth(hertz), speed, time / 500.0, 100).mean;
+    EXPECT_NEAR(found, exact, 1e-4) << "speed " << speed;
+    EXPECT_LT(found, last);
+    last = found;
+  }
+}
+
+TEST(Hertz, RestitutionIsThatOfLammps) {
+  // head_on.csv, 1000 steps per contact: of first order there, its error below 0.2 / 1000 of the
+  // loss (README of the data).
+  const std::array<std::array<double, 2>, 4> lammps{
+      {{0.01, 0.99006636}, {0.1, 0.98431039}, {1.0, 0.97526982}, {10.0, 0.96114378}}};
+  for (const auto& [speed, expected] : lammps) {
+    const double time = hertz.collision_time(half, 1.0, speed);
+    const double found = restitution(smooth(hertz), speed, time / 1000.0, 50).mean;
+    EXPECT_NEAR(found, expected, 2e-4 * (1.0 - expected) + 5e-6) << "speed " << speed;
+  }
+}
+
+// 3.218 (m sqrt(d) / (2 k))^0.4 v^-0.2 without damping.
+TEST(Hertz, CollisionsAreShorterAtHigherSpeed) {
+  const Hertz elastic{.stiffness = 2e5};
+  EXPECT_NEAR(elastic.collision_time(half, 1.0, 1.0), 0.018483, 5e-7);
+  for (const double speed : {0.01, 1.0, 10.0}) {
+    const double formula = elastic.collision_time(half, 1.0, speed);
+    const double exact = head_on(elastic, half, 1.0, speed, formula / 20'000.0).duration;
+    EXPECT_NEAR(formula, exact, 2e-5 * exact);
+    EXPECT_NEAR(exact, std::pow(speed, -0.2) * 0.018483, 5e-5 * exact);
+    const double step = formula / 1000.0;
+    Simulation pair(smooth(elastic),
+                    free_flight(step),
+                    pair_on_x(1.0, 1.0, 0.5 * step * speed, {speed, 0.0, 0.0}));
+    EXPECT_NEAR(static_cast<double>(pass_contact(pair)) * step, exact, 1.5 * step);
+  }
+}
+
+TEST(Hertz, EnergyIsTheWorkOfTheElasticForce) {
+  Contact c = touching(0.0, 0.0);
+  c.radius_sum = 1.2;
+  double work = 0.0;
+  const double step = 1e-6;
+  for (double x = 0.5 * step; x < 0.01; x += step) {
+    c.overlap = x;
+    work += step * hertz.elastic_force(c);
+  }
+  c.overlap = 0.01;
+  EXPECT_NEAR(hertz.elastic_energy(c), work, 1e-7 * work);
+}
+
+/// A touching contact along x that slides along y.
+struct Sheared {
+  Contact contact{.normal = {1.0, 0.0, 0.0},
+                  .distance = 0.99,
+                  .overlap = 0.01,
+                  .reduced_mass = half,
+                  .radius_sum = 1.0};
+  TangentialMotion<double> motion{.surface_velocity = {0.0, 1.0, 0.0}, .normal_rate = {}};
+  TangentialSpring<double> spring{};
+  TangentialWork<double> work{};
+  double step = 1e-6;
+
+  double force(const auto& law, double coulomb_reference, double prefactor = 1.0) {
+    const NormalLoad<double> load{coulomb_reference, prefactor};
+    return friction_force(law, contact, motion, load, step, spring, work).y;
+  }
 };
 
-/// Two grains hit along x with closing speed `normal` and tangential speed `tangential` (along y).
-Impact collide(double normal, double tangential, double friction, double time_step) {
-  InitialState initial;
-  initial.position = {{}, {1.0 + 0.3 * normal * time_step, 0.0, 0.0}};
-  initial.velocity = {{0.5 * normal, 0.5 * tangential, 0.0},
-                      {-0.5 * normal, -0.5 * tangential, 0.0}};
-  Simulation pair(rough(stiff, friction), free_space(time_step), initial);
-  long contact_steps = 0;
-  do {
-    pair.step();
-    contact_steps += pair.touching_pairs() > 0;
-  } while (pair.touching_pairs() > 0 || pair.steps() < 2);
-  const std::size_t first = pair.particles().id[0] == 0 ? 0 : 1;
-  return {pair.velocity(first), pair.spin(first), static_cast<double>(contact_steps) * time_step};
+TEST(Sliding, SpringAndDashpotHoldUntilTheCoulombLimit) {
+  const double reference = 100.0;
+  Sheared contact;
+  for (int n = 1; n < 2000; ++n) {
+    // The spring at n: it started empty half a step before the first force.
+    const double way = (n - 0.5) * contact.step;
+    const double trial = sliding.stiffness * way + sliding.damping * half;
+    EXPECT_NEAR(contact.force(sliding, reference), -std::min(trial, 50.0), 1e-9 * trial);
+  }
+  EXPECT_GT(contact.work.slip, 0.0);
 }
 
-TEST(Hooke, CollisionTimeAndRestitutionAreThoseOfTheDampedOscillator) {
-  // Brewster et al. 2008, eqs. 7 and 8, evaluated independently to 7 digits.
-  EXPECT_NEAR(stiff.collision_time(half_mass), 4.971179e-3, 1e-9);
-  EXPECT_NEAR(stiff.restitution(half_mass), 0.883133, 1e-6);
-  EXPECT_NEAR(damping_for(0.88, 2e5, half_mass), 51.4275, 1e-4);
+// Brewster et al. 2008, eq. 3: f(x) stands before the tangential spring and dashpot too.
+TEST(Hertz, PrefactorScalesTheTangentialForce) {
+  const ContactLaw law{hertz, Cohesionless{}, sliding};
+  Sheared s;
+  s.spring.stretch = {0.0, 1e-4, 0.0};
+  const auto force =
+      contact_force(law, s.contact, s.motion, 1.0, false, s.step, s.spring).tangential;
+  const double trial =
+      sliding.stiffness * (1e-4 + 0.5 * s.step * 1.0) + sliding.damping * half * 1.0;
+  EXPECT_NEAR(force.y, -std::sqrt(0.01) * trial, 1e-12 * trial);
+  EXPECT_NEAR(hertz.force(s.contact), std::sqrt(0.01) * 2e5 * 0.01, 1e-9);
 }
 
-TEST(Hooke, RestitutionFollowsFromDampingAndStiffness) {
-  const double exact = stiff.restitution(half_mass);
-  const double contact = stiff.collision_time(half_mass);
-  const CollidingGrains grains;
-  EXPECT_NEAR(mean_restitution(smooth(stiff), grains, contact / 500.0), exact, 1e-4);
-  const double at_default = mean_restitution(smooth(stiff), grains, contact / 50.0);
-  RecordProperty("restitution_at_default_step", std::to_string(at_default));
-  std::cout << "restitution at 1/50: " << at_default << ", exact " << exact << '\n';
+// Luding 2008, section 2.4: sticks up to mu_s F, then drops to mu_d F; sticks again when the trial
+// force falls below mu_d F, and then needs mu_s F to break loose once more.
+TEST(StickSlip, ForceDropsToTheDynamicLimitAndRisesAgainAfterSticking) {
+  StickSlip law = stick_slip;
+  law.damping = 0.0;
+  const double reference = 100.0;
+  Sheared s;
+  double largest = 0.0;
+  int n = 0;
+  while (s.spring.slipping < 0.5 && n++ < 5000) {
+    const double force = std::abs(s.force(law, reference));
+    if (s.spring.slipping < 0.5) largest = std::max(largest, force);
+  }
+  const double advance = law.stiffness * s.step;
+  EXPECT_GT(largest, 60.0 - advance);
+  EXPECT_LE(largest, 60.0);
+  for (int k = 0; k < 100; ++k) EXPECT_NEAR(s.force(law, reference), -40.0, 1e-10);
+  s.motion.surface_velocity = {};
+  s.force(law, reference);  // at the limit, still
+  s.motion.surface_velocity = {0.0, -1.0, 0.0};
+  s.force(law, reference);
+  EXPECT_EQ(s.spring.slipping, 0.0);
+  s.motion.surface_velocity = {0.0, 1.0, 0.0};
+  largest = 0.0;
+  for (n = 0; s.spring.slipping < 0.5 && n < 5000; ++n) {
+    const double force = std::abs(s.force(law, reference));
+    if (s.spring.slipping < 0.5) largest = std::max(largest, force);
+  }
+  EXPECT_GT(largest, 60.0 - advance);
 }
 
-TEST(Hooke, RestitutionErrorFallsWithTheSquareOfTheStep) {
-  const double exact = stiff.restitution(half_mass);
-  const double contact = stiff.collision_time(half_mass);
-  const double coarse = mean_restitution(smooth(stiff), {}, contact / 100.0) - exact;
-  const double fine = mean_restitution(smooth(stiff), {}, contact / 200.0) - exact;
-  EXPECT_NEAR(std::log2(coarse / fine), 2.0, 0.3);
-}
-
-TEST(Hooke, ContactLastsTheCollisionTimeToOneStep) {
-  const double step = stiff.collision_time(half_mass) / 400.0;
-  EXPECT_NEAR(collide(1.0, 0.0, 0.5, step).time, stiff.collision_time(half_mass), step);
-}
-
-TEST(Hooke, ForceAtZeroOverlapIsTheDashpotAloneAndFinite) {
-  const Contact touching{.normal = {1, 0, 0},
-                         .distance = 1.0,
-                         .overlap = 0.0,
-                         .normal_velocity = -2.0,
-                         .reduced_mass = half_mass};
-  EXPECT_DOUBLE_EQ(stiff.force(touching), 50.0 * half_mass * 2.0);
-  EXPECT_DOUBLE_EQ(stiff.elastic_energy(touching), 0.0);
-}
-
-// A grazing hit slips all the time: the tangential impulse is mu times the normal one, in which
-// the attraction at the end counts by its magnitude (the limit is mu |F_n|).
-TEST(Sliding, GrazingImpactLosesFrictionTimesTheNormalImpulse) {
-  // Slow, so that the normal turns by 3e-5 only and the lever arm shrinks by less.
-  const double mu = 0.1, normal = 1e-3, tangential = 5e-3;
-  const double step = stiff.collision_time(half_mass) / 2000.0;
-  const Impact after = collide(normal, tangential, mu, step);
-  // Closed form of int |F_n| dt: the force of the oscillator changes sign at the time t* with
-  // tan(w t*) = -2 l w / (w^2 - l^2), l = gamma/2; the velocity change up to and from there on.
-  const double l = 0.5 * stiff.damping;
-  const double w = std::numbers::pi / stiff.collision_time(half_mass);
-  const double turn = (std::numbers::pi - std::atan2(2.0 * l * w, w * w - l * l)) / w;
-  const auto velocity = [&](double t) {
-    return normal * std::exp(-l * t) * (std::cos(w * t) - l / w * std::sin(w * t));
-  };
-  const double end = velocity(stiff.collision_time(half_mass));
-  const double impulse = (normal - velocity(turn)) + (end - velocity(turn));  // per reduced mass
-  const double lost = tangential - 2.0 * after.velocity.y;
-  // The start of the contact is known to a step only: 1/2000 of the impulse each at begin and end.
-  EXPECT_NEAR(lost, mu * impulse, 2e-3 * mu * impulse);
-  // Each grain is turned by the same impulse: R omega = 5/2 (impulse / m), opposite to the slip.
-  EXPECT_NEAR(length(after.spin), 2.5 * 0.5 * lost, 1e-3 * lost);
-}
-
-// With a high coefficient and little damping the contact point sticks; the tangential spring of
-// frequency sqrt(7 k_t / m) = sqrt(2 k_n / m) then makes half a period too: rebound -1 at the
-// contact point, where a force changes the speed 7/2 times as much as the centres'.
-TEST(Sliding, StickingImpactReversesTheSurfaceVelocity) {
-  const Hooke undamped{.stiffness = 2e5, .damping = 0.0};
-  const double tangential = 0.05;
-  for (const double steps : {250.0, 500.0}) {
-    const double step = undamped.collision_time(half_mass) / steps;
-    InitialState initial;
-    initial.position = {{}, {1.0, 0.0, 0.0}};
-    initial.velocity = {{0.5, 0.5 * tangential, 0.0}, {-0.5, -0.5 * tangential, 0.0}};
-    Simulation pair(rough(undamped, 10.0), free_space(step), initial);
-    do pair.step();
-    while (pair.touching_pairs() > 0);
-    const std::size_t first = pair.particles().id[0] == 0 ? 0 : 1;
-    const double after = 2.0 * pair.velocity(first).y;
-    // Surface velocity -tangential, so the centres change by 2/7 of 2 tangential. The contact
-    // shrinks the lever arm by at most half the overlap (1/632 d) and ends within a step.
-    EXPECT_NEAR(after, tangential * (1.0 - 4.0 / 7.0), tangential * (2.0 / 632.0 + 7.0 / steps));
+TEST(StickSlip, EqualCoefficientsAreSliding) {
+  StickSlip law = stick_slip;
+  law.static_coefficient = law.coefficient = sliding.coefficient;
+  Random random(5);
+  Sheared a, b;
+  for (int n = 0; n < 1000; ++n) {
+    a.motion.surface_velocity = {0.0, random.between(-30.0, 30.0), random.between(-30.0, 30.0)};
+    b.motion = a.motion;
+    const double reference = random.between(0.0, 20.0);
+    EXPECT_EQ(a.force(law, reference), b.force(sliding, reference));
   }
 }
 
 TEST(Sliding, SpringStaysInTheContactPlaneWithItsLength) {
-  const Sliding law = sliding(1e9, 2e5);
-  Sliding::History history{.spring = {0.0, 1e-3, 0.0}};
-  const double rate = 2.0, step = 1e-3;
-  TangentialWork work;
+  const Sliding law{.coefficient = 1e9, .stiffness = 2e5};
+  Sheared s;
+  s.spring.stretch = {0.0, 1e-3, 0.0};
+  s.step = 1e-3;
+  const double rate = 2.0;
   double angle = 0.0;
   for (int k = 0; k < 500; ++k) {  // the normal turns by one radian in the plane of the spring
-    angle += rate * step;
-    const Vec3 normal{std::cos(angle), std::sin(angle), 0.0};
-    const Contact contact{.normal = normal,
-                          .distance = 1.0,
-                          .overlap = 1e-3,
-                          .normal_velocity = 0.0,
-                          .reduced_mass = half_mass};
-    const TangentialMotion turning{.surface_velocity = {},
-                                   .normal_rate = rate * Vec3{-normal.y, normal.x, 0.0}};
-    law.force(contact, turning, 1.0, step, history, work);
-    ASSERT_NEAR(dot(history.spring, normal), 0.0, 1e-15);
+    angle += rate * s.step;
+    s.contact.normal = {std::cos(angle), std::sin(angle), 0.0};
+    s.motion = {.surface_velocity = {},
+                .normal_rate = rate * Vec3{-std::sin(angle), std::cos(angle), 0.0}};
+    s.force(law, 1.0);
+    ASSERT_NEAR(dot(s.spring.stretch, s.contact.normal), 0.0, 1e-15);
   }
-  // The turn is exact to (rate step)^3 = 8e-9 a step.
-  EXPECT_NEAR(length(history.spring), 1e-3, 1e-3 * 500 * 8e-9);
+  // A step keeps the length to (rate step)^3 = 8e-9.
+  EXPECT_NEAR(length(s.spring.stretch), 1e-3, 1e-3 * 500 * 8e-9);
 }
 
-TEST(Sliding, ForceNeverExceedsTheCoulombLimitEvenInAttraction) {
-  const Sliding law = sliding(0.5, 2e5);
-  for (const double normal_force : {3.0, -2.0, 0.0}) {
-    Sliding::History history{.spring = {0.0, 1e-2, 0.0}};
-    TangentialWork work;
-    const Contact contact{.normal = {1, 0, 0},
-                          .distance = 1.0,
-                          .overlap = 0.0,
-                          .normal_velocity = 0.0,
-                          .reduced_mass = half_mass};
-    const Vec3 force = law.force(contact,
-                                 {.surface_velocity = {0, 1, 0}, .normal_rate = {}},
-                                 normal_force,
-                                 1e-4,
-                                 history,
-                                 work);
-    EXPECT_LE(length(force), 0.5 * std::abs(normal_force) * (1.0 + 1e-15));
-    EXPECT_GE(work.slip, 0.0);
-  }
+/// Some contact of grains that touch, deep or hardly.
+struct Touching {
+  Contact contact;
+  TangentialMotion<double> motion;
+  TangentialSpring<double> spring;
+};
+Touching any_touching(Random& random) {
+  Touching t;
+  t.contact = {.normal = {0.0, 0.0, 1.0},
+               .overlap = std::pow(10.0, random.between(-300.0, -2.0)),
+               .normal_velocity = random.between(-2.0, 2.0),
+               .reduced_mass = random.between(0.1, 1.0),
+               .radius_sum = 1.0,
+               .harmonic_radius = 0.5};
+  t.contact.distance = t.contact.radius_sum - t.contact.overlap;
+  t.motion.surface_velocity = {random.between(-2.0, 2.0), random.between(-2.0, 2.0), 0.0};
+  t.spring.stretch = {random.between(-0.01, 0.01), random.between(-0.01, 0.01), 0.0};
+  t.spring.slipping = random.chance(0.5) ? 1.0 : 0.0;
+  return t;
 }
 
-TEST(Sliding, VanishingFrictionIsTheFrictionlessLaw) {
-  const double step = stiff.collision_time(half_mass) / 50.0;
-  auto start = gas(4.0, 40, 1.0, step);
-  Simulation without(smooth(stiff), start.setup, start.initial);
-  Simulation with(rough(stiff, 1e-300), start.setup, start.initial);
-  for (int k = 0; k < 2000; ++k) {
-    without.step();
-    with.step();
-  }
-  for (std::size_t i = 0; i < 40; ++i) {
-    ASSERT_EQ(without.particles().state[i].position, with.particles().state[i].position);
-  }
+TEST(ContactLaw, FrictionNeverExceedsItsLimitAndStaysFiniteAtVanishingOverlap) {
+  for_each_law([](const auto& law) {
+    SCOPED_TRACE(name(law));
+    Random random(6);
+    for (int n = 0; n < 2000; ++n) {
+      Touching t = any_touching(random);
+      const double repulsion = law.normal.force(t.contact);
+      double reference = std::abs(repulsion);
+      if constexpr (std::decay_t<decltype(law)>::attracts) {
+        const double pull = law.cohesion.force(t.contact, true);
+        reference = coulomb_reference(law.cohesion.reference, repulsion, pull);
+      }
+      const auto force = contact_force(law, t.contact, t.motion, 1.0, true, 1e-4, t.spring);
+      ASSERT_TRUE(std::isfinite(force.normal + length(force.tangential) + force.prefactor_work));
+      ASSERT_TRUE(std::isfinite(length(t.spring.stretch) + force.friction.slip));
+      ASSERT_LE(length(force.tangential), 0.6 * reference * (1.0 + 1e-15) + 1e-300);
+    }
+  });
 }
 
-TEST(ContactLaw, FrictionlessGrainsStoreNoHistoryAndNoRotation) {
+TEST(ContactLaw, GrainsApartHaveNoFrictionAndForgetTheirSpring) {
+  for_each_law([](const auto& law) {
+    Random random(7);
+    for (int n = 0; n < 100; ++n) {
+      Touching t = any_touching(random);
+      t.contact.overlap = -random.between(0.0, 0.02);
+      const auto force = contact_force(law, t.contact, t.motion, 1.0, true, 1e-4, t.spring);
+      ASSERT_EQ(force.tangential, Vec3{}) << name(law);
+      if constexpr (std::decay_t<decltype(law)>::rotates) {
+        ASSERT_EQ(t.spring.stretch, Vec3{});
+      }
+    }
+  });
+}
+
+TEST(ContactLaw, WhatALawDoesNotNeedIsNotStored) {
   using Smooth = ContactLaw<Hooke, Cohesionless, Frictionless>;
   static_assert(!Smooth::keeps_history && !Smooth::rotates && sizeof(Smooth) == sizeof(Hooke));
-  Simulation pair(smooth(stiff),
-                  free_space(1e-4),
-                  {.position = {{}, {1, 0, 0}}, .velocity = {}, .spin = {}, .frozen = {}});
+  Simulation pair(smooth(hooke), free_flight(1e-4), pair_on_x(1.0, 1.0, 0.0, {}));
   EXPECT_TRUE(pair.particles().spin.empty());
   EXPECT_TRUE(pair.particles().half_spin.empty());
-}
-
-TEST(FrozenGrain, IsAPartnerOfInfiniteMass) {
-  InitialState initial;
-  initial.position = {{0.0, 0.0, 1.0 + 1e-9}};
-  initial.velocity = {{0.0, 0.0, -0.1}};
-  initial.frozen = {{}};
-  const double step = stiff.collision_time(1.0) / 5000.0;
-  Simulation bounce(smooth(stiff), free_space(step), initial);
-  do bounce.step();
-  while (bounce.touching_pairs() > 0);
-  // Reduced mass m. One start phase: half a step of the dashpot force at begin and end.
-  EXPECT_NEAR(bounce.velocity(0).z, 0.1 * stiff.restitution(1.0), 0.1 * stiff.damping * step);
-  EXPECT_EQ(bounce.particles().state[1].position, Vec3{});
 }
 
 }  // namespace
