@@ -88,30 +88,36 @@ void expect_same_path(const Law& law, const Simpler& simpler) {
   EXPECT_EQ(differing(column(law, 1.0, 600), column(simpler, 1.0, 600)), 0u);
 }
 
+/// The same but for rounding: a compiler may join other multiplications and additions in other
+/// laws. Some last bits of each velocity at the start make as much of a difference.
+template <class Law, class Simpler>
+void expect_same_but_for_rounding(const Law& law, const Simpler& simpler) {
+  const Motions expected = column(simpler, 1.0, 600);
+  const Motions found = column(law, 1.0, 600);
+  const Motions nudged = column(simpler, 1.0, 600, 1e-15);
+  double off = 0.0, growth = 0.0;
+  for (std::size_t k = 0; k < expected.velocity.size(); ++k) {
+    off = std::max(off, length(expected.velocity[k] - found.velocity[k]));
+    growth = std::max(growth, length(expected.velocity[k] - nudged.velocity[k]));
+  }
+  std::cout << "off by " << off << ", a nudge of 1e-15 grows to " << growth << '\n';
+  EXPECT_LT(growth, 1e-10);  // so that the comparison means something
+  EXPECT_LE(off, 10.0 * growth);
+}
+
 TEST(VanishingParameters, FrictionOfCoefficientZeroIsNoFriction) {
-  expect_same_path(ContactLaw{soft, Cohesionless{}, sliding(0.0, 2e4)}, smooth(soft));
+  expect_same_but_for_rounding(ContactLaw{soft, Cohesionless{}, sliding(0.0, 2e4)}, smooth(soft));
   const Hertz hertz{.stiffness = 2e5, .damping = 150.0};
-  expect_same_path(ContactLaw{hertz, Cohesionless{}, sliding(0.0, 2e4)},
-                   ContactLaw{hertz, Cohesionless{}, Frictionless{}});
+  expect_same_but_for_rounding(ContactLaw{hertz, Cohesionless{}, sliding(0.0, 2e4)},
+                               ContactLaw{hertz, Cohesionless{}, Frictionless{}});
 }
 
 TEST(VanishingParameters, StaticFrictionNoHigherThanDynamicIsSliding) {
   const StickSlip stick{
       .static_coefficient = 0.5, .coefficient = 0.5, .stiffness = 6e3, .damping = 5.0};
   const Sliding slide{.coefficient = 0.5, .stiffness = 6e3, .damping = 5.0};
-  const Motions slides = column(ContactLaw{soft, Cohesionless{}, slide}, 1.0, 600);
-  const Motions sticks = column(ContactLaw{soft, Cohesionless{}, stick}, 1.0, 600);
-  // Not to the last bit: a compiler may join other multiplications and additions in other laws. A
-  // bit or two more in each velocity at the start make as much of a difference.
-  const Motions nudged = column(ContactLaw{soft, Cohesionless{}, slide}, 1.0, 600, 1e-15);
-  double off = 0.0, growth = 0.0;
-  for (std::size_t k = 0; k < slides.velocity.size(); ++k) {
-    off = std::max(off, length(slides.velocity[k] - sticks.velocity[k]));
-    growth = std::max(growth, length(slides.velocity[k] - nudged.velocity[k]));
-  }
-  std::cout << "stick-slip: off by " << off << ", a nudge grows to " << growth << '\n';
-  EXPECT_LT(growth, 1e-10);
-  EXPECT_LE(off, 10.0 * growth);
+  expect_same_but_for_rounding(ContactLaw{soft, Cohesionless{}, stick},
+                               ContactLaw{soft, Cohesionless{}, slide});
 }
 
 TEST(VanishingParameters, AttractionOfNoStrengthIsNone) {
