@@ -155,7 +155,7 @@ struct Sheared {
   double step = 1e-6;
 
   double force(const auto& law, double coulomb_reference, double prefactor = 1.0) {
-    const NormalLoad<double> load{coulomb_reference, prefactor};
+    const NormalLoad<double> load{coulomb_reference, prefactor, 1.0 / prefactor};
     return friction_force(law, contact, motion, load, step, spring, work).y;
   }
 };

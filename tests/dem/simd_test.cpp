@@ -142,6 +142,21 @@ TEST(Simd, InverseSquareRootIsRightToTheLastBits) {
   std::cout << "inverse_sqrt: largest relative error " << static_cast<double>(worst) << '\n';
 }
 
+TEST(Simd, ReciprocalIsRightToTheLastBits) {
+  Random random(4);
+  long double worst = 0.0L;
+  for (int n = 0; n < 100'000; ++n) {
+    const Pack a([&](auto) { return std::exp(random.between(-600.0, 600.0)); });
+    const Pack inverse = reciprocal(a);
+    for (std::size_t k = 0; k < pack_width; ++k) {
+      const long double product = static_cast<long double>(double(a[k])) * double(inverse[k]);
+      worst = std::max(worst, std::abs(product - 1.0L));
+    }
+  }
+  EXPECT_LT(worst, 4e-16L);
+  std::cout << "reciprocal: largest relative error " << static_cast<double>(worst) << '\n';
+}
+
 /// What one contact is evaluated with and what comes out, as plain numbers.
 struct Sample {
   Contact contact;
