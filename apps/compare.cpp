@@ -53,11 +53,20 @@ void add_lines(Summary& summary, const report::RunComparison& run) {
                        "% of the velocity (relative L2)");
 }
 
+/// The other flows have no prediction yet.
+void require_chute(const dem::LocalData& data, const std::string& path) {
+  const std::string& geometry = data.conditions.geometry;
+  if (geometry == dem::ChuteConditions{}.geometry) return;
+  throw io::InputError(
+      fmt::format("{}: a {}: chutes only are predicted from a table", path, geometry));
+}
+
 ExitCode compare(const Arguments& arguments, const CommonOptions& options) {
   std::vector<dem::LocalData> runs;
   io::Units units;  // of the scenes: a table of a, b, tau_c in SI needs their sizes
   for (const std::string& path : arguments.runs) {
     io::RunRecord record = io::read_run_record(path);
+    require_chute(record.data, path);
     units = record.units;
     runs.push_back(std::move(record.data));
   }

@@ -102,6 +102,9 @@ ExitCode run(Arguments arguments, const CommonOptions& options) {
   if (!result.data.window.steady) {
     throw NoAnswer("no steady state: " + result.data.window.reason);
   }
+  if (result.data.rows.empty()) {
+    throw NoAnswer("steady, but no layer has grains enough, or touching ones, for local data");
+  }
   return ExitCode::answered;
 }
 

@@ -189,6 +189,8 @@ inline constexpr Interval base_thickness{1.0, 10.0};        ///< [d]; thinner on
 inline constexpr Interval base_packing_fraction{0.4, 0.6};  ///< looser: holes; denser: no packing
 inline constexpr double overlap = 1.0;                      ///< max_overlap is below it
 inline constexpr int grains = 1'000'000;                    ///< base included: days on one thread
+inline constexpr double start_distance = 1e6;               ///< [d] from the origin; farther, an
+                                                            ///< overlap drowns in rounding
 inline constexpr double least_bin_width = 0.1;              ///< [d]
 inline constexpr double least_bins = 3.0;  ///< of the nominal depth: a bin and both neighbours,
                                            ///< from which its shear rate is taken

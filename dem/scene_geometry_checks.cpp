@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <tuple>
+#include <vector>
 
 #include "dem/scene_checks.h"
 
@@ -244,8 +247,17 @@ bool finite(const Vec3& v) {
 void check_start_grain(const StartGrain& grain, std::size_t number, const Grains& grains) {
   constexpr double digits = 1e-6;  // of a diameter written to a file
   constexpr Place at{"start", "grains"};
+  const double farthest = limits::start_distance * grains.diameter;
   if (!finite(grain.position) || !finite(grain.velocity) || !finite(grain.rotation)) {
     refuse(at, fmt::format("grain {} of the start: all its numbers must be finite", number));
+  }
+  if (length(grain.position) > farthest) {
+    refuse(at,
+           fmt::format("grain {} of the start: {:.4g} from the origin: at most {:.4g}, beyond "
+                       "which an overlap drowns in rounding",
+                       number,
+                       length(grain.position),
+                       farthest));
   }
   const double least = grains.smallest();
   const double most = grains.largest();
@@ -258,6 +270,23 @@ void check_start_grain(const StartGrain& grain, std::size_t number, const Grains
                      least,
                      most,
                      grains.size_ratio));
+}
+
+/// Grains with one centre have no direction to be pushed apart in.
+void check_centres(const std::vector<StartGrain>& grains) {
+  std::vector<std::size_t> order(grains.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  const auto place = [&](std::size_t k) {
+    const Vec3& p = grains[k].position;
+    return std::tuple(p.x, p.y, p.z);
+  };
+  std::ranges::sort(order, {}, place);
+  const auto same = std::ranges::adjacent_find(order, {}, place);
+  if (same == order.end()) return;
+  refuse({"start", "grains"},
+         fmt::format("grains {} and {} of the start are at one place",
+                     std::min(same[0], same[1]) + 1,
+                     std::max(same[0], same[1]) + 1));
 }
 
 /// Glued grains are the base of a chute unless that is flat, the walls of a plane shear and the
@@ -294,6 +323,7 @@ void check_start(const Scene& scene) {
   for (std::size_t k = 0; k < scene.start.size(); ++k) {
     check_start_grain(scene.start[k], k + 1, scene.grains);
   }
+  check_centres(scene.start);
   check_frozen(scene);
   const int stated = std::visit([](const auto& shape) { return shape.grains; }, scene.geometry);
   if (stated != grains(scene)) {

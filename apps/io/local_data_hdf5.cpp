@@ -39,6 +39,7 @@ constexpr auto condition_fields = std::to_array<Field<ChuteConditions>>({
     {"stiffness", &ChuteConditions::stiffness, dimension::stiffness},
     {"contact_friction", &ChuteConditions::contact_friction},
     {"mass_per_area", &ChuteConditions::mass_per_area, dimension::mass_per_area},
+    {"shear_rate", &ChuteConditions::shear_rate, dimension::rate},
 });
 
 constexpr auto window_fields = std::to_array<Field<SteadyWindow>>({
@@ -271,6 +272,7 @@ void read_provenance(const Hdf5Reader& in, RunRecord& record) {
 void write_data(Hdf5Writer& out, const LocalData& data) {
   out.group("conditions");
   write_fields(out, "conditions", data.conditions, condition_fields);
+  out.attribute("conditions", "geometry", data.conditions.geometry);
   out.attribute("conditions", "base", data.conditions.base);
   out.group("window");
   write_fields(out, "window", data.window, window_fields);
@@ -287,6 +289,7 @@ void write_data(Hdf5Writer& out, const LocalData& data) {
 
 void read_data(const Hdf5Reader& in, LocalData& data) {
   read_fields(in, "conditions", data.conditions, condition_fields);
+  data.conditions.geometry = in.text("conditions", "geometry");
   data.conditions.base = in.text("conditions", "base");
   read_fields(in, "window", data.window, window_fields);
   data.window.steady = in.integer("window", "steady") != 0;

@@ -1,6 +1,7 @@
 #include "apps/io/source_excerpt.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <vector>
@@ -81,6 +82,13 @@ std::string excerpt(std::string_view file,
                                 column - begin + width);
   if (!hint.empty()) out += fmt::format("  {}", hint);
   return out;
+}
+
+std::string quotable(std::string_view piece) {
+  std::vector<std::string> characters = printable_characters(piece.substr(0, 4 * shown_columns));
+  const bool cut = characters.size() > shown_columns;
+  if (cut) characters.resize(shown_columns);
+  return fmt::format("{}{}", fmt::join(characters, ""), cut ? "..." : "");
 }
 
 }  // namespace grainlaw::io

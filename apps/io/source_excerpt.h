@@ -21,4 +21,8 @@ std::string excerpt(std::string_view file,
                     std::string_view message,
                     std::string_view hint = {});
 
+/// A piece of a file to quote in a message: bytes that do not print are shown as '?', a long one is
+/// cut.
+std::string quotable(std::string_view piece);
+
 }  // namespace grainlaw::io

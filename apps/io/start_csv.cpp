@@ -10,6 +10,7 @@
 
 #include "apps/io/input_state.h"
 #include "apps/io/safe_write.h"
+#include "apps/io/source_excerpt.h"
 
 namespace grainlaw::io {
 namespace {
@@ -91,7 +92,7 @@ class StartReader {
     for (const Cell& cell : cells_of(line_)) {
       const auto* const column = std::ranges::find(columns, cell.text, &Column::name);
       if (column == columns.end()) {
-        fail(cell, fmt::format("unknown column '{}'", cell.text), expected);
+        fail(cell, fmt::format("unknown column '{}'", quotable(cell.text)), expected);
       }
       if (std::ranges::count(order_, column) > 0) {
         fail(cell, fmt::format("column '{}' is there twice", cell.text));
@@ -131,7 +132,7 @@ class StartReader {
     const char* const end = cell.text.data() + cell.text.size();
     const auto [stop, error] = std::from_chars(cell.text.data(), end, value);
     if (error != std::errc() || stop != end || !std::isfinite(value)) {
-      fail(cell, fmt::format("'{}' is not a finite number", cell.text));
+      fail(cell, fmt::format("'{}' is not a finite number", quotable(cell.text)));
     }
     return value;
   }

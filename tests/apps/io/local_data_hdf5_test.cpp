@@ -60,7 +60,16 @@ dem::LocalData any_data(std::size_t rows, std::size_t frames, std::uint64_t seed
   std::mt19937_64 random(seed);
   dem::LocalData data;
   data.name = "theta 23\u00b0";
-  data.conditions = {0.4, 1.0, 1.0, 1.9, 2e4, 0.5, 22.0, "bumpy, thickness 1.5 d"};
+  data.conditions = {.geometry = "simple_shear",
+                     .inclination = 0.4,
+                     .gravity = 1.0,
+                     .grain_diameter = 1.0,
+                     .grain_density = 1.9,
+                     .stiffness = 2e4,
+                     .contact_friction = 0.5,
+                     .mass_per_area = 22.0,
+                     .shear_rate = 0.3,
+                     .base = "bumpy, thickness 1.5 d"};
   data.window = {true, 100.0, 300.0, "mean velocity does not drift"};
   for (std::size_t k = 0; k < rows; ++k) data.rows.push_back(any_row(random));
   data.frames.z_begin = -1.5;
@@ -114,6 +123,8 @@ TEST(LocalDataHdf5, EveryBitComesBack) {
   EXPECT_TRUE(same_rows(data, again));
   EXPECT_TRUE(same_frames(data, again));
   EXPECT_EQ(again.name, data.name);
+  EXPECT_EQ(again.conditions.geometry, data.conditions.geometry);
+  EXPECT_EQ(again.conditions.shear_rate, data.conditions.shear_rate);
   EXPECT_EQ(again.conditions.base, data.conditions.base);
   EXPECT_EQ(again.conditions.mass_per_area, 22.0);
   EXPECT_EQ(again.window.reason, data.window.reason);

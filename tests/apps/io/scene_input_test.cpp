@@ -47,17 +47,28 @@ TEST(SceneInput, ChuteExampleIsReadKeyByKey) {
 
 TEST(SceneInput, RestitutionGivesTheDampingRateOfBrewster) {
   // Brewster et al. (2008), eqs. 7 and 8 inverted: 51.4275 for 0.88 at k_n = 2e5.
-  EXPECT_NEAR(normal_of(scene_of(scene_text())).damping, 51.4275, 5e-5);
+  const dem::Hooke law = normal_of(scene_of(scene_text()));
+  const double reduced_mass = 0.5;
+  EXPECT_NEAR(dem::viscosity(law, reduced_mass) / reduced_mass, 51.4275, 5e-5);
+}
+
+TEST(SceneInput, RestitutionIsThatOfLightAndHeavyPairs) {
+  const dem::Hooke law = normal_of(scene_of(scene_text()));
+  for (const double reduced_mass : {1e-3, 0.5, 500.0}) {
+    EXPECT_NEAR(law.restitution(reduced_mass), 0.88, 10.0 * bits);
+  }
 }
 
 TEST(SceneInput, RestitutionOneIsWithoutDamping) {
-  EXPECT_EQ(normal_of(scene_of(scene_text("restitution = 1.0"))).damping, 0.0);
+  EXPECT_EQ(dem::viscosity(normal_of(scene_of(scene_text("restitution = 1.0"))), 0.5), 0.0);
 }
 
 TEST(SceneInput, DashpotActsOnTheVelocityAndRateOnTheReducedMass) {
   EXPECT_EQ(normal_of(scene_of(scene_text("damping_rate = 50.0"))).damping, 50.0);
-  // f = dashpot v = rate (m/2) v.
-  EXPECT_EQ(normal_of(scene_of(scene_text("dashpot = 25.0"))).damping, 50.0);
+  const dem::Hooke law = normal_of(scene_of(scene_text("dashpot = 25.0")));
+  for (const double reduced_mass : {0.01, 0.5, 3.0}) {
+    EXPECT_EQ(dem::viscosity(law, reduced_mass), 25.0);
+  }
 }
 
 TEST(SceneInput, AMissingSectionIsAMissingMechanism) {

@@ -145,7 +145,8 @@ TEST(SceneInput, TangentialDashpotActsOnTheVelocityAndZeroResistanceIsAccepted) 
       "torsion_coefficient = 0\n";
   const dem::Scene sliding =
       scene_of(head() + friction + "law = \"sliding\"\ndashpot = 5.0\n" + sheared());
-  EXPECT_EQ(std::get<dem::Sliding>(sliding.friction).damping, 10.0);  // dashpot / (m/2)
+  EXPECT_EQ(std::get<dem::Sliding>(sliding.friction).dashpot, 5.0);
+  EXPECT_EQ(std::get<dem::Sliding>(sliding.friction).damping, 0.0);
   const dem::Scene sticking = scene_of(head() + friction +
                                        "law = \"stick_slip\"\nstatic_coefficient = 0.7\n"
                                        "damping_rate = 3.0\nstiffness = 1e4\n" +
