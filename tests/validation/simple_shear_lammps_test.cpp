@@ -21,10 +21,10 @@ std::vector<Row> read_csv(const std::string& name) {
   std::ifstream in(std::string(REFERENCE_DIR "/") + name);
   EXPECT_TRUE(in) << name;
   const auto cells = [](const std::string& line) {
-    std::vector<std::string> cells;
+    std::vector<std::string> found;
     std::istringstream stream(line);
-    for (std::string cell; std::getline(stream, cell, ',');) cells.push_back(cell);
-    return cells;
+    for (std::string cell; std::getline(stream, cell, ',');) found.push_back(cell);
+    return found;
   };
   std::string line;
   std::getline(in, line);
