@@ -122,6 +122,14 @@ Summary describe(const dem::LocalData& data) {
                             "standard errors are rough; a longer averaging_time would help",
                             *few));
   }
+  constexpr double large_residual = 0.01;  // ten times what the default step keeps to
+  if (run.energy_residual > large_residual) {
+    summary.add("energy_warning",
+                "warning",
+                fmt::format("{:.2g} of the dissipated energy is not accounted for: the time step "
+                            "is too long for these contacts",
+                            run.energy_residual));
+  }
   summary.add("coordination", "coordination Z", run.coordination);
   summary.add("steps", "steps", run.steps);
   summary.add("time_step", "time step", run.time_step, "sqrt(d/g)");

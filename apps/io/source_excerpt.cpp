@@ -1,7 +1,6 @@
 #include "apps/io/source_excerpt.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <vector>
@@ -85,10 +84,13 @@ std::string excerpt(std::string_view file,
 }
 
 std::string quotable(std::string_view piece) {
-  std::vector<std::string> characters = printable_characters(piece.substr(0, 4 * shown_columns));
-  const bool cut = characters.size() > shown_columns;
-  if (cut) characters.resize(shown_columns);
-  return fmt::format("{}{}", fmt::join(characters, ""), cut ? "..." : "");
+  std::string shown;
+  std::size_t count = 0;
+  for (const std::string& character : printable_characters(piece)) {
+    if (++count > shown_columns) return shown + "...";
+    shown += character;
+  }
+  return shown;
 }
 
 }  // namespace grainlaw::io
