@@ -120,11 +120,11 @@ TEST(Scene, EveryBadNumberOfALawIsRefusedByName) {
   };
   expect_refusals(
       small_chute(),
-      {{"normal damping = 300",
+      {{"normal damping is",
         [](Scene& s) {
           s.normal = Hooke{2e4, 300.0};
         }},
-       {"normal damping = nan",
+       {"normal damping is",
         [](Scene& s) {
           s.normal = Hertz{2e4, NAN};
         }},
@@ -140,7 +140,7 @@ TEST(Scene, EveryBadNumberOfALawIsRefusedByName) {
         [](Scene& s) {
           s.friction = Sliding{0.5, 0.0, 0.0};
         }},
-       {"tangential damping = 200",
+       {"tangential damping is",
         [](Scene& s) {
           s.friction = Sliding{0.5, 1e4, 200.0};
         }},
@@ -442,7 +442,7 @@ TEST(Scene, SummaryNamesWhatIsUsed) {
                             "Gaussian well, strength 0.6",
                             "bounded by the total normal force",
                             "coefficients 0.6 static, 0.5 dynamic",
-                            "tangential dashpot 1",
+                            "tangential damping rate 1",
                             "from 0.5 to 1.5",
                             "side walls: flat, smooth",
                             "chute: 55 grains"}) {
