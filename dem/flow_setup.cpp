@@ -47,15 +47,24 @@ double lowest_grain(const InitialState& initial) {
   return lowest;
 }
 
+/// Grains of several sizes may find a way through the glued layer: a smooth floor lies in its
+/// lowest centres. Equal grains find none; one that does is lost.
+void lay_floor(const Scene& scene, const InitialState& initial, SimulationSetup& setup) {
+  setup.lowest.z = lowest_grain(initial);
+  if (scene.grains.size_ratio == 1.0) return;
+  setup.walls.push_back({Plane{{0.0, 0.0, setup.lowest.z}, {0.0, 0.0, 1.0}}, false});
+}
+
 void add_geometry(const Chute& chute,
-                  const Scene&,
+                  const Scene& scene,
                   const InitialState& initial,
                   SimulationSetup& setup) {
   setup.dynamics.field = Uniform{gravity(chute.gravity, chute.inclination)};
-  setup.lowest.z = lowest_grain(initial);
   if (const auto* flat = std::get_if<FlatBase>(&chute.base)) {
     setup.walls.push_back({Plane{{}, {0.0, 0.0, 1.0}}, flat->frictional});
     setup.lowest.z = 0.0;
+  } else {
+    lay_floor(scene, initial, setup);
   }
   if (!chute.sidewalls) return;
   const bool frictional = chute.sidewalls->frictional;
@@ -105,14 +114,14 @@ void add_geometry(const BodyForceBox& box,
 }
 
 void add_geometry(const SplitBottom& cell,
-                  const Scene&,
+                  const Scene& scene,
                   const InitialState& initial,
                   SimulationSetup& setup) {
   setup.dynamics.field = Uniform{{0.0, 0.0, -cell.gravity}};
   setup.drive = RotationDrive{cell.rotation_rate};
+  lay_floor(scene, initial, setup);
   setup.walls.push_back({Cylinder{cell.inner_radius, false, 0.0}});
   setup.walls.push_back({Cylinder{cell.outer_radius, true, cell.rotation_rate}});
-  setup.lowest.z = lowest_grain(initial);
 }
 
 Bins layer_bins(const Scene& scene, double below, double above, double area) {

@@ -66,7 +66,8 @@ void SimulationBase::for_scalars(Visit&& visit) {
   for_components(box_.top_velocity, visit);
   for_boundary_numbers(setup_.drive, setup_.dynamics.field, visit);
   visit(frame_.velocity), visit(frame_.gradient), visit(fastest_frozen_);
-  visit(closed_since_rebuild_), visit(closing_rate_), visit(stress_yy_), visit(largest_overlap_), visit(boundary_power_);
+  visit(closed_since_rebuild_), visit(closing_rate_), visit(stress_yy_), visit(largest_overlap_),
+      visit(boundary_power_);
   for_components(first_moment_, visit);
   for_components(wrapped_, visit);
   visit(sums_.tangential_energy);
