@@ -47,11 +47,14 @@ double lowest_grain(const InitialState& initial) {
   return lowest;
 }
 
-/// Grains of several sizes may find a way through the glued layer: a smooth floor lies in its
-/// lowest centres. Equal grains find none; one that does is lost.
+/// Small grains find their way into the gaps of a layer of unequal glued grains, and under it; at a
+/// split they would be crushed there. A smooth floor one mean diameter below the tops (z = 0)
+/// leaves the bumps and closes the gaps. Equal grains need none; one that gets below the layer is
+/// lost.
 void lay_floor(const Scene& scene, const InitialState& initial, SimulationSetup& setup) {
   setup.lowest.z = lowest_grain(initial);
   if (scene.grains.size_ratio == 1.0) return;
+  setup.lowest.z = -scene.grains.diameter;
   setup.walls.push_back({Plane{{0.0, 0.0, setup.lowest.z}, {0.0, 0.0, 1.0}}, false});
 }
 
