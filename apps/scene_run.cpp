@@ -71,6 +71,8 @@ Summary check_scene(const io::SceneFile& file) {
               fmt::format("shortest contact time / {:.4g} ({})",
                           shortest / step,
                           scene.time_step > 0.0 ? "given in the scene" : "default"));
+  summary.add(
+      "time_step_limit", "  at most", shortest / dem::limits::least_steps_per_contact, "sqrt(d/g)");
   summary.add("memory", "memory", memory_megabytes(scene), "MB");
   summary.add("run_time_shortest", "run time, at least", duration_text(least));
   summary.add("run_time_longest", "run time, at most", duration_text(longest));
@@ -97,7 +99,10 @@ Summary describe(const dem::LocalData& data) {
   const dem::RunSummary& run = data.summary;
   Summary summary;
   summary.add("name", "run", data.name);
-  summary.add("inclination", "tilt", io::degrees(data.conditions.inclination), "degrees");
+  summary.add("geometry", "geometry", data.conditions.geometry);
+  if (data.conditions.geometry == "chute") {
+    summary.add("inclination", "tilt", io::degrees(data.conditions.inclination), "degrees");
+  }
   summary.add("steady", "steady", data.window.steady);
   summary.add("reason", "  because", data.window.reason);
   summary.add("window_begin", "averaged from", data.window.begin, "sqrt(d/g)");

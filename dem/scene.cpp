@@ -13,7 +13,6 @@ namespace grainlaw::dem {
 namespace {
 
 constexpr double default_steps_per_contact = 50.0;
-constexpr double least_steps_per_contact = 15.0;
 
 constexpr double never = std::numeric_limits<double>::infinity();
 
@@ -176,7 +175,7 @@ void check_step(const Scene& scene) {
            fmt::format("time_step = {}: must be positive, or 0 for the default", scene.time_step));
   }
   const FastestMode mode = fastest_mode(scene);
-  const double largest = mode.time / least_steps_per_contact;
+  const double largest = mode.time / limits::least_steps_per_contact;
   if (scene.allow_unstable_step || scene.time_step <= largest) return;
   throw StepRefused(
       fmt::format("time_step = {:.3g} exceeds 1/15 of the shortest contact time ({:.3g} for "

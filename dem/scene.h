@@ -171,6 +171,7 @@ struct Scene {
 
 /// What validate() accepts, for readers and documentation of scenes.
 namespace limits {
+inline constexpr double least_steps_per_contact = 15.0;  ///< a longer time step is refused
 struct Interval {
   double least;
   double most;

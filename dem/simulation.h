@@ -127,7 +127,6 @@ class SimulationBase {
   double closing_rate_ = 0.0;    ///< in the last step [length]
   double fastest_frozen_ = 0.0;  ///< relative to the frame [length/time]
   double stress_yy_ = 0.0;
-  double kinetic_yy_ = 0.0;
   double largest_overlap_ = 0.0;
   double boundary_power_ = 0.0;  ///< at the last step [energy/time]
   Vec3 first_moment_;            ///< sum of m x when the ledger was opened [mass length]
