@@ -103,7 +103,8 @@ TEST(HomogeneousCooling, FollowsHaffAtTheRateOfEnskog) {
   const auto [exponent, exponent_error] = mean(exponents);
   std::cout << "cooling: rate / Enskog = " << rate << " +- " << rate_error
             << ", exponent = " << exponent << " +- " << exponent_error << '\n';
-  // What the theory leaves out lets grains cool more slowly: correlations of velocities (grains
+  // What the theory leaves out may let grains cool more slowly; not shown here, only supposed:
+  // correlations of velocities (grains
   // that collided move alike, and flows of whole regions cool last), 1/N, and the 1 % of the time
   // that contacts last. 3 % are allowed for it; with e = 0.95 it is 1 to 2 %.
   EXPECT_NEAR(rate, 1.0, 3.0 * rate_error + 0.03);
