@@ -74,7 +74,7 @@ std::vector<InitialGrain> layer(const BumpyBase& base,
                                               volume_without_wall_gaps(slab, grains.diameter) /
                                               mean_volume(grains));
   std::vector<InitialGrain> cut = scattered(slab, diameters(grains, count, seed), seed);
-  come_apart(slab, cut, packing_overlap);
+  come_apart(slab, cut);
   std::erase_if(cut, [&](const InitialGrain& grain) { return grain.position.z >= thickness; });
   if (cut.empty()) {
     throw SceneError(
@@ -171,7 +171,7 @@ std::vector<InitialGrain> fill(const Region& ground,
                                std::uint64_t seed) {
   std::vector<InitialGrain> grains = scattered(with_height(ground, heights), diameters, seed);
   grains.insert(grains.end(), glued.begin(), glued.end());
-  come_apart(with_height(ground, walls), grains, packing_overlap);
+  come_apart(with_height(ground, walls), grains);
   return grains;
 }
 
@@ -269,7 +269,7 @@ std::vector<InitialGrain> packed(const PlaneShear& shear, const Box&, const Scen
 std::vector<InitialGrain> packed_box(const Box& box, const Scene& scene) {
   const Region region = region_of(box);
   auto grains = scattered(region, flowing_diameters(scene), scene.seed);
-  come_apart(region, grains, packing_overlap);
+  come_apart(region, grains);
   return grains;
 }
 

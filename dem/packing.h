@@ -9,16 +9,13 @@
 
 namespace grainlaw::dem {
 
-/// Largest overlap of a packing, of the mean diameter of a pair.
-inline constexpr double packing_overlap = 1e-3;
-
 /// Diameters of `count` grains: the middle of every `count`-th part of the size distribution, in
 /// random order. Their mean is that of the grains exactly, their mean cube up to a relative error
 /// below 1/count^2 [length].
 std::vector<double> diameters(const Grains& grains, std::size_t count, std::uint64_t seed);
 
 /// Where the grains of a scene start: the given start, or a random packing made for the geometry in
-/// which no overlap that involves a mobile grain exceeds packing_overlap, mobile grains first.
+/// which no mobile grain overlaps another (to rounding), mobile grains first.
 /// Equal scenes give equal states. Throws SceneError when a packing is too dense to come apart.
 ///
 /// Chute: base below z = 0; the grains above it at nominal_packing with an open top, all at rest.

@@ -74,15 +74,19 @@ CellGrid::CellGrid(std::span<const Sphere> spheres, double edge) : edge_(edge) {
   }
 }
 
+/// Grains are moved apart with a margin around them of this share of their size, until no margin is
+/// used up: what is left has no overlap at all, which in stiff grains would be an explosion.
+constexpr double margin = 1e-3;
+
 /// Grains on their way apart. Images of grains near a periodic face follow the grains themselves,
 /// so a sweep knows nothing of periods.
 class Relaxation {
  public:
   Relaxation(const Region& region, std::span<const InitialGrain> grains);
 
-  /// Pushes every overlapping pair apart once, unless no overlap exceeds the bound. Returns the
-  /// largest overlap before [mean diameter of the pair].
-  double sweep(double overlap_bound);
+  /// Pushes every pair whose margins overlap apart once, unless no grains overlap any more. Returns
+  /// the largest overlap of margins before [mean diameter of the pair].
+  double sweep();
 
   Vec3 position(std::size_t grain) const { return region_.wrapped(spheres_[grain].position); }
 
@@ -114,7 +118,7 @@ Relaxation::Relaxation(const Region& region, std::span<const InitialGrain> grain
     : region_(region), repeats_(repeats(region)), grains_(grains.size()), next_(grains.size()) {
   double sum = 0.0;
   for (const InitialGrain& grain : grains) {
-    const double radius = 0.5 * grain.diameter;
+    const double radius = 0.5 * grain.diameter / (1.0 - margin);
     const bool mobile = grain.body == Body::none;
     spheres_.push_back({mobile ? region.held(grain.position, radius) : grain.position,
                         radius,
@@ -194,7 +198,7 @@ Vec3 Relaxation::push(std::size_t i, double& largest) const {
   return move;
 }
 
-double Relaxation::sweep(double overlap_bound) {
+double Relaxation::sweep() {
   if (2.0 * travelled_ > skin_) {
     list_neighbours();
   } else {
@@ -207,7 +211,7 @@ double Relaxation::sweep(double overlap_bound) {
     next_[i] = mobility > 0.0 ? region_.held(position + push(i, largest), radius) : position;
     farthest = std::max(farthest, square(next_[i] - position));
   }
-  if (largest <= overlap_bound) return largest;
+  if (largest <= margin) return largest;
   for (std::size_t i = 0; i < grains_; ++i) spheres_[i].position = next_[i];
   travelled_ += std::sqrt(farthest);
   return largest;
@@ -245,19 +249,18 @@ std::vector<Vec3> scatter(const Region& region, std::size_t count, std::uint64_t
   return points;
 }
 
-void come_apart(const Region& region, std::vector<InitialGrain>& grains, double overlap_bound) {
+void come_apart(const Region& region, std::vector<InitialGrain>& grains) {
   constexpr int most_sweeps = 20000;
   if (grains.empty()) return;
   Relaxation relaxation(region, grains);
-  double overlap = relaxation.sweep(overlap_bound);
-  for (int sweep = 1; overlap > overlap_bound && sweep < most_sweeps; ++sweep) {
-    overlap = relaxation.sweep(overlap_bound);
-  }
-  if (overlap > overlap_bound) {
+  double overlap = relaxation.sweep();
+  for (int sweep = 1; overlap > margin && sweep < most_sweeps; ++sweep)
+    overlap = relaxation.sweep();
+  if (overlap > margin) {
     throw SceneError(fmt::format("{} grains still overlap by {:.2g} of their diameter after {} "
                                  "sweeps, packed too densely; lower the volume fraction",
                                  grains.size(),
-                                 overlap,
+                                 overlap - margin,
                                  most_sweeps),
                      "geometry",
                      "");
@@ -269,8 +272,7 @@ void come_apart(const Region& region, std::vector<InitialGrain>& grains, double 
 
 std::vector<Vec3> random_packing(const Box& box,
                                  std::span<const double> diameters,
-                                 std::uint64_t seed,
-                                 double overlap_bound) {
+                                 std::uint64_t seed) {
   const Region region = region_of(box);
   std::vector<Vec3> points = scatter(region, diameters.size(), seed);
   std::vector<InitialGrain> grains(points.size());
@@ -278,7 +280,7 @@ std::vector<Vec3> random_packing(const Box& box,
     grains[k].position = points[k];
     grains[k].diameter = diameters[k];
   }
-  come_apart(region, grains, overlap_bound);
+  come_apart(region, grains);
   std::transform(grains.begin(), grains.end(), points.begin(), [](const InitialGrain& g) {
     return g.position;
   });

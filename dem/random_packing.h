@@ -20,18 +20,17 @@ Region region_of(const Box& box);
 /// Points uniform in the region; point k depends on the seed and k only.
 std::vector<Vec3> scatter(const Region& region, std::size_t count, std::uint64_t seed);
 
-/// Moves overlapping mobile grains apart until no overlap that involves one exceeds `overlap_bound`
-/// times the mean diameter of the two; the heavier of them moves less, a glued one not at all.
+/// Moves mobile grains apart until none overlaps another (to rounding); the heavier of two moves
+/// less, a glued one not at all.
 /// Leaves the grains inside the region. Throws SceneError when they do not come apart, or when the
 /// region repeats after less than the reach of the largest grain.
-void come_apart(const Region& region, std::vector<InitialGrain>& grains, double overlap_bound);
+void come_apart(const Region& region, std::vector<InitialGrain>& grains);
 
 /// Random positions of spheres in a box periodic in all directions, moved apart as above, in the
 /// order of the diameters. Equal seeds give equal packings. Equal spheres come apart up to a volume
 /// fraction of 0.6 within seconds; towards random close packing, 0.64, no longer.
 std::vector<Vec3> random_packing(const Box& box,
                                  std::span<const double> diameters,
-                                 std::uint64_t seed,
-                                 double overlap_bound = 1e-3);
+                                 std::uint64_t seed);
 
 }  // namespace grainlaw::dem
