@@ -90,7 +90,7 @@ class FlowRun {
   InitialState start(const Scene& scene, const Law& law, const RunOptions& options) {
     const InitialState packing = initial_state(scene);
     if (goes_on(options)) return packing;  // what it holds is replaced
-    return settled(scene, law, packing, options, clock_, go_on_);
+    return moving(settled(scene, law, packing, options, clock_, go_on_), scene.start_profile);
   }
 
   static SimulationSetup setup(const Scene& scene,

@@ -349,4 +349,21 @@ InitialState initial_state(const Scene& scene) {
       scene.geometry);
 }
 
+InitialState moving(InitialState state, const std::vector<StartVelocity>& profile) {
+  if (profile.empty()) return state;
+  for (InitialGrain& grain : state.grains) {
+    if (grain.body != Body::none) continue;
+    const auto above = std::ranges::lower_bound(profile, grain.position.z, {}, &StartVelocity::z);
+    if (above == profile.begin() || above == profile.end()) {
+      grain.velocity.x += above == profile.end() ? profile.back().velocity : above->velocity;
+      continue;
+    }
+    const StartVelocity& below = *std::prev(above);
+    const double shear_rate = (above->velocity - below.velocity) / (above->z - below.z);
+    grain.velocity.x += below.velocity + shear_rate * (grain.position.z - below.z);
+    grain.rotation.y += 0.5 * shear_rate;
+  }
+  return state;
+}
+
 }  // namespace grainlaw::dem

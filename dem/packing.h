@@ -32,4 +32,9 @@ std::vector<double> diameters(const Grains& grains, std::size_t count, std::uint
 /// SplitBottom outside the split radius, are the mover.
 InitialState initial_state(const Scene& scene);
 
+/// The state with its free grains moving as the profile says, linear between its points and
+/// constant beyond them, and spinning with half the shear rate, as grains of a steady flow do in
+/// the mean.
+InitialState moving(InitialState state, const std::vector<StartVelocity>& profile);
+
 }  // namespace grainlaw::dem

@@ -143,6 +143,12 @@ struct StartGrain {
   bool frozen = false;    ///< part of the base or of a wall
 };
 
+/// A point of the velocity profile a chute starts with.
+struct StartVelocity {
+  double z = 0.0;         ///< [length]
+  double velocity = 0.0;  ///< v_x [length/time]
+};
+
 /// What is averaged and for how long. Times in units of the scene.
 struct Measurement {
   double bin_width = 1.0;         ///< in z [length]
@@ -161,7 +167,8 @@ struct Scene {
       Cohesionless{};
   std::variant<Frictionless, Sliding, StickSlip> friction = Frictionless{};
   Geometry geometry = Chute{};
-  std::vector<StartGrain> start;  ///< empty: a packing made for the geometry
+  std::vector<StartGrain> start;             ///< empty: a packing made for the geometry
+  std::vector<StartVelocity> start_profile;  ///< of a chute, upwards; empty: starts from rest
   Measurement measurement;
   double time_step = 0.0;            ///< [time]; 0: shortest contact time / 50
   bool allow_unstable_step = false;  ///< accept a step above shortest contact time / 15

@@ -312,6 +312,27 @@ void check_frozen(const Scene& scene) {
   }
 }
 
+void check_start_profile(const Scene& scene) {
+  constexpr Place at{"start", "profile"};
+  const std::vector<StartVelocity>& profile = scene.start_profile;
+  if (profile.empty()) return;
+  if (!std::holds_alternative<Chute>(scene.geometry)) {
+    refuse(at,
+           fmt::format("a start profile is that of a chute, not of a {}", kind(scene.geometry)));
+  }
+  for (std::size_t k = 0; k < profile.size(); ++k) {
+    if (!std::isfinite(profile[k].z) || !std::isfinite(profile[k].velocity)) {
+      refuse(at, fmt::format("row {} of the start profile: its numbers must be finite", k + 1));
+    }
+    if (k > 0 && profile[k].z <= profile[k - 1].z) {
+      refuse(at,
+             fmt::format("row {} of the start profile: z = {:.6g} is not above the row before it",
+                         k + 1,
+                         profile[k].z));
+    }
+  }
+}
+
 }  // namespace
 
 void check_geometry(const Scene& scene) {
@@ -319,6 +340,7 @@ void check_geometry(const Scene& scene) {
 }
 
 void check_start(const Scene& scene) {
+  check_start_profile(scene);
   if (scene.start.empty()) return;
   for (std::size_t k = 0; k < scene.start.size(); ++k) {
     check_start_grain(scene.start[k], k + 1, scene.grains);

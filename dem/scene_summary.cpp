@@ -145,6 +145,12 @@ void describe(const Chute& chute, const Scene& scene, SceneSummary& summary) {
   } else {
     summary.left_out.emplace_back("no side walls: periodic along and across the flow");
   }
+  if (!scene.start_profile.empty()) {
+    summary.used.push_back(
+        fmt::format("start: settled, then moving as a profile, {:.6g} at z = {:.6g}",
+                    scene.start_profile.back().velocity,
+                    scene.start_profile.back().z));
+  }
 }
 void describe(const SimpleShear& shear, const Scene& scene, SceneSummary& summary) {
   const Vec3 size = start_size(scene.grains, shear);

@@ -456,5 +456,18 @@ TEST(GivenStart, FrozenGrainsOutsideTheSplitRotate) {
   EXPECT_EQ(state.grains[1].body, Body::mover);
 }
 
+TEST(StartProfile, GivesGrainsTheVelocityAndHalfTheVorticityOfTheirHeight) {
+  InitialState state;
+  for (const double z : {-0.3, 0.5, 1.5, 9.0}) state.grains.push_back({.position = {0.0, 0.0, z}});
+  state.grains.push_back({.position = {0.0, 0.0, 1.0}, .body = Body::base});
+  state = moving(state, {{0.0, 0.1}, {1.0, 0.5}, {2.0, 0.7}});
+  const double velocity[] = {0.1, 0.3, 0.6, 0.7, 0.0};
+  const double rotation[] = {0.0, 0.2, 0.1, 0.0, 0.0};  // about y: that of v_x(z) is half its slope
+  for (std::size_t k = 0; k < 5; ++k) {
+    EXPECT_NEAR(state.grains[k].velocity.x, velocity[k], 1e-15) << k;
+    EXPECT_NEAR(state.grains[k].rotation.y, rotation[k], 1e-15) << k;
+  }
+}
+
 }  // namespace
 }  // namespace grainlaw::dem

@@ -416,6 +416,19 @@ bool has(const std::vector<std::string>& lines, std::string_view text) {
   return std::ranges::any_of(lines, [&](auto& l) { return l.find(text) != std::string::npos; });
 }
 
+TEST(Scene, AStartProfileIsThatOfAChuteAndRises) {
+  Scene scene = small_chute();
+  scene.start_profile = {{0.0, 0.0}, {1.0, 0.3}, {3.0, 0.5}};
+  EXPECT_EQ(refusal(scene), "");
+  scene.start_profile[2].z = 1.0;
+  EXPECT_EQ(refusal(scene), "row 3 of the start profile: z = 1 is not above the row before it");
+  scene.start_profile[2].z = infinite;
+  EXPECT_EQ(refusal(scene), "row 3 of the start profile: its numbers must be finite");
+  Scene box = small_shear();
+  box.start_profile = {{0.0, 0.0}};
+  EXPECT_EQ(refusal(box), "a start profile is that of a chute, not of a simple_shear");
+}
+
 TEST(Scene, SummaryNamesWhatIsLeftOut) {
   Scene scene = small_chute();
   scene.friction = Frictionless{};
