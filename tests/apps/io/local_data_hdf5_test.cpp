@@ -21,7 +21,7 @@ double any_double(std::mt19937_64& random) {
 }
 
 dem::Estimate any_estimate(std::mt19937_64& random) {
-  return {any_double(random), any_double(random)};
+  return {any_double(random), any_double(random), any_double(random)};
 }
 
 dem::LocalRow any_row(std::mt19937_64& random) {
