@@ -53,8 +53,8 @@ struct Drift {
 Drift linear_drift(std::span<const double> series);
 
 /// Quantile of Student's t distribution, 0.5 < probability < 1, degrees >= 1. Between whole numbers
-/// of degrees its logarithm is linear in their inverse, which errs by less than 3 %; above 1000 it is
-/// that of 1000.
+/// of degrees its logarithm is linear in their inverse: less than 3 % off.
+/// Above 1000 degrees it is that of 1000.
 double student_quantile(double probability, double degrees);
 
 }  // namespace grainlaw::dem
