@@ -8,6 +8,7 @@
 
 #include "apps/progress.h"
 #include "dem/run.h"
+#include "dem/statistics.h"
 
 namespace grainlaw {
 namespace {
@@ -88,10 +89,10 @@ std::string outcome_line(const dem::LocalData& data) {
 }
 
 std::optional<int> few_samples(const dem::LocalData& data) {
-  constexpr double enough = 20.0;  // below, an error is itself unsure by a sixth and more
   double least = std::numeric_limits<double>::infinity();
   for (const dem::LocalRow& row : data.rows) least = std::min(least, row.effective_samples);
-  if (!data.window.steady || least >= enough) return std::nullopt;
+  const bool few = dem::convergence(least) == dem::Convergence::not_converged;
+  if (!data.window.steady || !few) return std::nullopt;
   return static_cast<int>(std::lround(least));
 }
 
@@ -111,7 +112,8 @@ Summary describe(const dem::LocalData& data) {
     const dem::LocalRow& middle = data.rows[data.rows.size() / 2];
     summary.add("middle_z", "mid layer at z", middle.z, "d");
     const auto add = [&](const char* key, const char* label, dem::Estimate x, const char* unit) {
-      summary.add_estimate(key, label, x.value, x.error, unit);
+      const std::string word{name(dem::convergence(x.effective_samples))};
+      summary.add_estimate(key, label, x.value, x.error, unit, {dem::half_width(x, 0.95), word});
     };
     add("velocity", "  velocity", middle.velocity, "sqrt(g d)");
     add("shear_rate", "  shear rate", middle.shear_rate, "sqrt(g/d)");

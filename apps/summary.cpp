@@ -75,8 +75,9 @@ void Summary::add_estimate(const std::string& key,
                            const std::string& label,
                            double value,
                            double error,
-                           const std::string& unit) {
-  entries_.push_back({key, label, unit, value, true, error});
+                           const std::string& unit,
+                           const Trust& trust) {
+  entries_.push_back({key, label, unit, value, true, error, trust});
 }
 
 std::string Summary::text() const {
@@ -87,8 +88,10 @@ std::string Summary::text() const {
     const std::string value = entry.has_error
                                   ? value_with_error(std::get<double>(entry.value), entry.error)
                                   : value_text(entry.value, width + 2);
-    out += fmt::format(
-        "{:<{}}  {}{}{}\n", entry.label, width, value, entry.unit.empty() ? "" : " ", entry.unit);
+    out += fmt::format("{:<{}}  {}", entry.label, width, value);
+    if (!entry.unit.empty()) out += ' ' + entry.unit;
+    if (!entry.trust.convergence.empty()) out += " (" + entry.trust.convergence + ')';
+    out += '\n';
   }
   return out;
 }
@@ -100,6 +103,10 @@ std::string Summary::json() const {
     if (entry.has_error) {
       target["value"] = number(std::get<double>(entry.value));
       target["error"] = number(entry.error);
+      if (!entry.trust.convergence.empty()) {
+        target["half_width_95"] = number(entry.trust.half_width_95);
+        target["convergence"] = entry.trust.convergence;
+      }
     } else if (const double* x = std::get_if<double>(&entry.value)) {
       target = number(*x);
     } else {

@@ -8,6 +8,12 @@
 
 namespace grainlaw {
 
+/// How far an error can be trusted.
+struct Trust {
+  double half_width_95 = 0.0;  ///< of the 95 % interval about the value
+  std::string convergence{};   ///< in a word; empty: nothing is said
+};
+
 /// What a program says at the end: the same entries as lines for people and as JSON for programs.
 class Summary {
  public:
@@ -18,12 +24,13 @@ class Summary {
            const std::string& label,
            Value value,
            const std::string& unit = {});
-  /// Value and standard error; JSON gets {"value": , "error": }.
+  /// Value and standard error; JSON gets {"value": , "error": } and, where it is said, the trust.
   void add_estimate(const std::string& key,
                     const std::string& label,
                     double value,
                     double error,
-                    const std::string& unit = {});
+                    const std::string& unit = {},
+                    const Trust& trust = {});
 
   std::string text() const;  ///< aligned lines, at most 80 columns where words allow
   std::string json() const;
@@ -34,6 +41,7 @@ class Summary {
     Value value;
     bool has_error = false;
     double error = 0.0;
+    Trust trust{};
   };
   std::vector<Entry> entries_;
 };

@@ -160,7 +160,8 @@ LocalRow make_row(std::span<const ProfileFrame> frames,
   const Fields centre = fields_of(mean, k, bin_width, conditions);
   const auto series = linearised(frames, mean, k, bin_width, conditions);
   const auto estimate = [&](Field field) {
-    return Estimate{centre[field], block_average(series[field]).error};
+    const BlockAverage average = block_average(series[field]);
+    return Estimate{centre[field], average.error, average.effective_samples};
   };
   LocalRow row;
   row.velocity = estimate(velocity);
@@ -172,7 +173,7 @@ LocalRow make_row(std::span<const ProfileFrame> frames,
   row.inertial_number = estimate(inertial_number);
   row.softness = estimate(softness);
   row.friction = estimate(friction);
-  row.effective_samples = block_average(series[velocity]).effective_samples;
+  row.effective_samples = row.velocity.effective_samples;
   return row;
 }
 
@@ -195,6 +196,14 @@ bool counts(const BinMoments& bin, const ChuteConditions& conditions) {
 }
 
 }  // namespace
+
+Convergence worst_convergence(const std::vector<LocalRow>& rows, Estimate LocalRow::*field) {
+  Convergence worst = rows.empty() ? Convergence::not_converged : Convergence::converged;
+  for (const LocalRow& row : rows) {
+    worst = std::min(worst, convergence((row.*field).effective_samples));
+  }
+  return worst;
+}
 
 std::vector<LocalRow> average(const ProfileFrames& frames,
                               const ChuteConditions& conditions,

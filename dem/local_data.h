@@ -41,6 +41,9 @@ struct LocalRow {
   double effective_samples = 0.0;  ///< N_eff of the velocity (Flyvbjerg-Petersen)
 };
 
+/// What can be said of a field in all rows: the word of its row of fewest independent samples.
+Convergence worst_convergence(const std::vector<LocalRow>& rows, Estimate LocalRow::*field);
+
 /// The part of a run that is averaged.
 struct SteadyWindow {
   bool steady = false;

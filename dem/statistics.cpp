@@ -14,13 +14,18 @@ double mean_of(std::span<const double> series) {
   return std::accumulate(series.begin(), series.end(), 0.0) / static_cast<double>(series.size());
 }
 
+/// Sums of the first k distances from the mean, k = 0 ... N: any block is a difference of two.
+std::vector<double> running_sums(std::span<const double> series, double mean) {
+  std::vector<double> sums{0.0};
+  sums.reserve(series.size() + 1);
+  for (const double value : series) sums.push_back(sums.back() + value - mean);
+  return sums;
+}
+
 /// Variance of the mean from all blocks of the given length, overlapping ones included, taken as
 /// independent otherwise (Meketon and Schmeiser 1984).
-double variance_of_mean(std::span<const double> series, std::size_t length) {
-  const std::size_t n = series.size();
-  const double mean = mean_of(series);
-  std::vector<double> sums(n + 1, 0.0);
-  for (std::size_t k = 0; k < n; ++k) sums[k + 1] = sums[k] + series[k] - mean;
+double variance_of_mean(std::span<const double> sums, std::size_t length) {
+  const std::size_t n = sums.size() - 1;
   double squares = 0.0;
   for (std::size_t k = 0; k + length <= n; ++k) {
     const double sum = sums[k + length] - sums[k];
@@ -53,35 +58,64 @@ double student_inside(double t, int degrees) {
   return odd ? 2.0 / std::numbers::pi * (angle + std::sin(angle) * sum) : std::sin(angle) * sum;
 }
 
+/// Is a block of this length, or more, long enough for the variance it gives?
+bool long_enough(std::size_t length, std::size_t samples, double twice_tau) {
+  const double cube = std::pow(static_cast<double>(length), 3.0);
+  return cube > 2.0 * static_cast<double>(samples) * twice_tau * twice_tau;
+}
+
+/// Student's t for a whole number of degrees, by bisection.
+double student_quantile_of_whole(double probability, int degrees) {
+  const double inside = 2.0 * probability - 1.0;
+  double low = 0.0, high = 1.0;
+  while (student_inside(high, degrees) < inside) high *= 2.0;
+  for (int k = 0; k < 60; ++k) {
+    const double middle = 0.5 * (low + high);
+    (student_inside(middle, degrees) < inside ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
 }  // namespace
 
 BlockAverage block_average(std::span<const double> series) {
-  BlockAverage result;
+  constexpr std::size_t fewest_blocks = 4;
   const std::size_t n = series.size();
-  if (n == 0) return {.mean = std::nan(""), .error = std::nan("")};
-  result.mean = mean_of(series);
-  result.error = std::nan("");
-  result.blocks = n;
-  result.effective_samples = static_cast<double>(n);
-  if (n < 4) return result;
-  const double single = variance_of_mean(series, 1);
+  const double mean = n > 0 ? mean_of(series) : std::nan("");
+  BlockAverage result{
+      .mean = mean, .error = std::nan(""), .effective_samples = static_cast<double>(n)};
+  if (n < fewest_blocks) return result;
+  const std::vector<double> sums = running_sums(series, mean);
+  const double single = variance_of_mean(sums, 1);
+  if (!(single > 0.0)) {
+    result.error = single;
+    return result;
+  }
   double variance = single;
-  for (std::size_t length = 1; n / length >= 4; ++length) {
-    variance = variance_of_mean(series, length);
+  for (std::size_t length = 1; n / length >= fewest_blocks; length += 1 + length / 16) {
+    variance = variance_of_mean(sums, length);
     result.block_length = length;
-    const double twice_tau = single > 0.0 ? variance / single : 1.0;
-    const double cube = std::pow(static_cast<double>(length), 3.0);
-    if (cube > 2.0 * static_cast<double>(n) * twice_tau * twice_tau) break;
+    if (long_enough(length, n, variance / single)) break;
   }
   variance = without_block_bias(variance, single, result.block_length);
-  // Anticorrelated blocks would claim more than N samples: not believed.
-  variance = std::max(variance, single);
   result.error = std::sqrt(variance);
-  result.correlation_time = single > 0.0 ? 0.5 * variance / single : 0.5;
-  result.effective_samples = static_cast<double>(n) / (2.0 * result.correlation_time);
-  result.blocks = n / result.block_length;
-  result.converged = result.blocks >= 10;
+  result.correlation_time = 0.5 * variance / single;
+  result.effective_samples = static_cast<double>(n) * std::min(1.0, single / variance);
   return result;
+}
+
+double degrees_of_freedom(double effective_samples) {
+  const double blocks = std::max(4.0, std::cbrt(0.5 * effective_samples * effective_samples));
+  // The correction solves v = V (1 - V / 2 V_most) for V, and makes errors of v larger by 1/cost.
+  const double ratio = std::min(1.0, blocks / effective_samples);  // V / V_most = 2 tau / B
+  const double cost = (1.0 - ratio) / (1.0 - 0.5 * ratio);
+  return std::max(1.0, 1.5 * (blocks - 1.0) * cost * cost);
+}
+
+double half_width(const Estimate& estimate, double probability) {
+  const bool known = std::isfinite(estimate.effective_samples);
+  const double degrees = known ? degrees_of_freedom(estimate.effective_samples) : INFINITY;
+  return student_quantile(0.5 + 0.5 * probability, degrees) * estimate.error;
 }
 
 std::size_t mser_truncation(std::span<const double> series) {
@@ -132,15 +166,14 @@ bool Drift::significant(double probability) const {
 }
 
 double student_quantile(double probability, double degrees) {
-  const int whole = std::clamp(static_cast<int>(degrees), 1, 1000);
-  const double inside = 2.0 * probability - 1.0;
-  double low = 0.0, high = 1.0;
-  while (student_inside(high, whole) < inside) high *= 2.0;
-  for (int k = 0; k < 60; ++k) {
-    const double middle = 0.5 * (low + high);
-    (student_inside(middle, whole) < inside ? low : high) = middle;
-  }
-  return 0.5 * (low + high);
+  constexpr double most = 1000.0;  // within 0.3 % of a normal distribution, for any use made here
+  degrees = std::clamp(degrees, 1.0, most);
+  const double whole = std::floor(degrees);
+  const double below = student_quantile_of_whole(probability, static_cast<int>(whole));
+  if (degrees == whole) return below;
+  const double above = student_quantile_of_whole(probability, static_cast<int>(whole) + 1);
+  const double share = (1.0 / whole - 1.0 / degrees) * whole * (whole + 1.0);
+  return below * std::pow(above / below, share);
 }
 
 }  // namespace grainlaw::dem

@@ -18,16 +18,46 @@ constexpr double confidence = 0.99;
 
 struct Series {
   std::string_view name;
+  bool is_velocity;
   std::vector<double> values;
 };
 
-std::vector<Series> series_of(std::span<const ProfileFrame> frames) {
-  std::vector<Series> series{{"mean velocity", {}}, {"kinetic energy", {}}, {"centre of mass", {}}};
-  for (const ProfileFrame& frame : frames) {
-    series[0].values.push_back(mean_velocity(frame));
-    series[1].values.push_back(frame.kinetic_energy);
-    series[2].values.push_back(frame.centre_of_mass);
+/// Mean velocities of the lowest, middle and highest third of the mass; a bin that two of them
+/// share counts for both by its share of mass.
+std::array<double, 3> velocity_of_thirds(const ProfileFrame& frame) {
+  double whole = 0.0;
+  for (const BinMoments& bin : frame.bins) whole += bin.mass;
+  const double third = whole / 3.0;
+  std::array<double, 3> momentum{};
+  double below = 0.0;
+  for (const BinMoments& bin : frame.bins) {
+    for (std::size_t j = 0; bin.mass > 0.0 && j < 3; ++j) {
+      const double begin = std::max(below, static_cast<double>(j) * third);
+      const double end = std::min(below + bin.mass, static_cast<double>(j + 1) * third);
+      momentum[j] += std::max(0.0, end - begin) * bin.momentum[0] / bin.mass;
+    }
+    below += bin.mass;
   }
+  for (double& velocity : momentum) velocity = third > 0.0 ? velocity / third : 0.0;
+  return momentum;
+}
+
+/// The series to judge, the mean velocity first. Thirds of a profile of one or two bins would
+/// repeat the mean.
+std::vector<Series> series_of(std::span<const ProfileFrame> frames) {
+  std::vector<Series> series{{"mean velocity", true, {}},
+                             {"kinetic energy", false, {}},
+                             {"centre of mass", false, {}},
+                             {"velocity of the lowest third", true, {}},
+                             {"velocity of the middle third", true, {}},
+                             {"velocity of the highest third", true, {}}};
+  for (const ProfileFrame& frame : frames) {
+    const auto [lowest, middle, highest] = velocity_of_thirds(frame);
+    const std::array values{
+        mean_velocity(frame), frame.kinetic_energy, frame.centre_of_mass, lowest, middle, highest};
+    for (std::size_t k = 0; k < values.size(); ++k) series[k].values.push_back(values[k]);
+  }
+  if (frames.front().bins.size() < 3) series.resize(3);
   return series;
 }
 
@@ -55,16 +85,59 @@ bool keeps_gaining(std::span<const double> velocity) {
   return first > 0.0 && second > 0.5 * first;
 }
 
-/// End of three relaxation times, for the velocity of the frames from `first` on [time].
-double relaxed_time(std::span<const ProfileFrame> frames,
-                    std::span<const double> velocity,
-                    std::size_t first) {
+/// How a velocity comes from its first value to its later mean.
+struct Approach {
+  double way = 0.0;   ///< between the two [length/time]
+  double time = 0.0;  ///< in which all but 1/e of it is gone [time]
+};
+
+/// Judged by the frames before `first`. They are counted: the first frame that is close enough is
+/// so by its noise, and early.
+Approach approach(std::span<const ProfileFrame> frames,
+                  std::span<const double> velocity,
+                  std::size_t first) {
   const auto later = velocity.subspan(first);
   const double mean =
       std::accumulate(later.begin(), later.end(), 0.0) / static_cast<double>(later.size());
-  const auto risen = [&](double v) { return v >= (1.0 - 1.0 / std::numbers::e) * mean; };
-  const auto reached = std::ranges::find_if(velocity, risen) - velocity.begin();
-  return 3.0 * frames[static_cast<std::size_t>(reached)].begin;
+  const double way = mean - velocity[0];
+  const auto far = [&](double v) { return (mean - v) * way > way * way / std::numbers::e; };
+  const auto count = std::ranges::count_if(velocity.first(first), far);
+  return {std::abs(way), frames[static_cast<std::size_t>(count)].begin};
+}
+
+std::size_t first_frame_after(std::span<const ProfileFrame> frames, double time) {
+  const auto after = [&](const ProfileFrame& frame) { return frame.begin >= time; };
+  return static_cast<std::size_t>(std::ranges::find_if(frames, after) - frames.begin());
+}
+
+/// Three relaxation times, or as many more as it takes until what is left of an exponential
+/// approach moves the mean over averaging_time by less than half its standard error.
+double relaxed_time(std::span<const ProfileFrame> frames,
+                    std::span<const double> velocity,
+                    std::size_t first,
+                    double averaging_time) {
+  const auto [way, time] = approach(frames, velocity, first);
+  const double relaxed = 3.0 * time;
+  // The last of the run: an approach that is still on would count as scatter.
+  const double begin = std::max(relaxed, frames.back().end - averaging_time);
+  const BlockAverage window = block_average(velocity.subspan(first_frame_after(frames, begin)));
+  if (!(window.error > 0.0)) return relaxed;
+  const double left = way * std::exp(-3.0) * std::min(1.0, time / averaging_time);
+  return relaxed + time * std::max(0.0, std::log(2.0 * left / window.error));
+}
+
+/// When the start is over, by the criteria and by the slowest of the velocities [time].
+double start_end(std::span<const ProfileFrame> frames,
+                 std::span<const Series> series,
+                 std::size_t first,
+                 const SteadyCriteria& criteria) {
+  double end = criteria.start_up;
+  if (!criteria.mean_flow) return end;
+  for (const Series& s : series) {
+    if (!s.is_velocity) continue;
+    end = std::max(end, relaxed_time(frames, s.values, first, criteria.averaging_time));
+  }
+  return end;
 }
 
 /// The series that drifts most clearly, if any does.
@@ -80,6 +153,45 @@ std::string drift_in_words(std::span<const Series> series, std::size_t first) {
         "{} changes by {:.3g} +- {:.2g} over the window", s.name, drift.change, drift.error);
   }
   return words;
+}
+
+/// Of a flow that neither rests nor runs away: the window after the start, its drift and length.
+Assessment judge_drift(std::span<const ProfileFrame> frames,
+                       std::span<const Series> series,
+                       bool gaining,
+                       const SteadyCriteria& criteria) {
+  std::size_t first = 0;
+  const std::span<const Series> judged = series.subspan(criteria.mean_flow ? 0 : 1);
+  for (const Series& s : judged) first = std::max(first, mser_truncation(s.values));
+  const double relaxed = start_end(frames, series, first, criteria);
+  const std::size_t start = first_frame_after(frames, relaxed);
+  constexpr std::size_t fewest_frames = 8;  // to judge a drift by
+  const bool is_relaxed = start + fewest_frames <= frames.size();
+  if (is_relaxed) first = std::max(first, start);
+  const std::string drift = drift_in_words(judged, first);
+  if (!drift.empty()) {
+    const FlowState state = gaining ? FlowState::accelerating : FlowState::drifting;
+    return {state, false, first, fmt::format("{}: {}", name(state), drift)};
+  }
+  const auto too_short = [&](std::string reason) {
+    return Assessment{FlowState::too_short, false, first, std::move(reason)};
+  };
+  if (!is_relaxed) {
+    return too_short(fmt::format("short: the start is over at about t = {:.4g}", relaxed));
+  }
+  const double length = frames.back().end - frames[first].begin;
+  // Frame lengths are sums of steps: allow for rounding.
+  if (length < criteria.averaging_time * (1.0 - 1e-9)) {
+    return too_short(fmt::format("short: no drift over {:.4g} time units, {:.4g} are wanted",
+                                 length,
+                                 criteria.averaging_time));
+  }
+  return {FlowState::steady,
+          true,
+          first,
+          fmt::format("steady: no drift at {} % confidence over {:.4g} time units",
+                      100.0 * confidence,
+                      length)};
 }
 
 }  // namespace
@@ -113,45 +225,7 @@ Assessment assess(std::span<const ProfileFrame> frames, const SteadyCriteria& cr
                         velocity.back(),
                         criteria.runaway_velocity)};
   }
-  std::size_t first = 0;
-  const std::span<const Series> judged = std::span(series).subspan(criteria.mean_flow ? 0 : 1);
-  for (const Series& s : judged) first = std::max(first, mser_truncation(s.values));
-  const double relaxed =
-      std::max(criteria.start_up, criteria.mean_flow ? relaxed_time(frames, velocity, first) : 0.0);
-  const auto start = std::ranges::find_if(
-      frames, [&](const ProfileFrame& frame) { return frame.begin >= relaxed; });
-  constexpr std::ptrdiff_t fewest_frames = 8;  // to judge a drift by
-  const bool is_relaxed = frames.end() - start >= fewest_frames;
-  if (is_relaxed) first = std::max(first, static_cast<std::size_t>(start - frames.begin()));
-  const std::string drift = drift_in_words(judged, first);
-  if (!drift.empty()) {
-    return {gaining ? FlowState::accelerating : FlowState::drifting,
-            false,
-            first,
-            fmt::format("{}: {}", gaining ? "accelerating" : "drifting", drift)};
-  }
-  if (!is_relaxed) {
-    return {FlowState::too_short,
-            false,
-            first,
-            fmt::format("short: the start is over at about t = {:.4g}", relaxed)};
-  }
-  const double length = frames.back().end - frames[first].begin;
-  // Frame lengths are sums of steps: allow for rounding.
-  if (length < criteria.averaging_time * (1.0 - 1e-9)) {
-    return {FlowState::too_short,
-            false,
-            first,
-            fmt::format("short: no drift over {:.4g} time units, {:.4g} are wanted",
-                        length,
-                        criteria.averaging_time)};
-  }
-  return {FlowState::steady,
-          true,
-          first,
-          fmt::format("steady: no drift at {} % confidence over {:.4g} time units",
-                      100.0 * confidence,
-                      length)};
+  return judge_drift(frames, series, gaining, criteria);
 }
 
 SteadyWindow steady_window(const Assessment& assessment, std::span<const ProfileFrame> frames) {

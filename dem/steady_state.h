@@ -31,11 +31,17 @@ struct Assessment {
   std::string reason;
 };
 
-/// Judges the mean velocity, kinetic energy and centre of mass of the frames. The start is cut by
-/// the marginal standard error rule (latest cut of the three) and by three relaxation times, the
-/// time to 1 - 1/e of the velocity that follows: a slow approach to the steady state hides in the
-/// noise of a short window, and 5 % of it are left then. The rest is steady when it is at least
-/// averaging_time long and no straight line through it drifts at 99 % confidence.
+/// Judges the mean velocity, the velocities of the lowest, middle and highest third of the mass
+/// (the profile may still drift where its mean does not; not judged of fewer than three bins), the
+/// kinetic energy and the centre of mass of the frames.
+/// The start is cut by the marginal standard error rule (latest cut of them all) and by three
+/// relaxation times of the slowest of the velocities, the time in which all but 1/e of the way to
+/// its later mean is gone: a slow approach to the steady state hides in the noise of a short
+/// window. More is cut until what is left of the approach moves no mean velocity by more than its
+/// standard error. The rest is steady when it is at least averaging_time long and no straight line
+/// through any of the series drifts at 99 % confidence. A drift is seen from about nine standard
+/// errors of the mean on; frames that do not hold the beginning of a slow approach do not tell that
+/// they end one.
 Assessment assess(std::span<const ProfileFrame> frames, const SteadyCriteria& criteria);
 
 /// The window of an assessment.

@@ -21,7 +21,7 @@ namespace {
 using namespace dem;
 
 constexpr std::string_view kind = "local data";
-constexpr int format = 1;
+constexpr int format = 2;
 
 /// A number of a struct, its name in the file and its dimension: one line writes and reads it.
 template <class T, class Member = double>
@@ -148,6 +148,10 @@ void write_rows(Hdf5Writer& out, const std::vector<LocalRow>& rows) {
     write_column(out, path + "_error", rows, field.dimension, [&field](const LocalRow& row) {
       return (row.*field.member).error;
     });
+    write_column(out, path + "_effective_samples", rows, {}, [&field](const LocalRow& row) {
+      return (row.*field.member).effective_samples;
+    });
+    out.attribute(path, "convergence", std::string(name(worst_convergence(rows, field.member))));
   }
 }
 
@@ -168,6 +172,9 @@ std::vector<LocalRow> read_rows(const Hdf5Reader& in) {
         in, path, rows, [&field](LocalRow& row) -> double& { return (row.*field.member).value; });
     read_column(in, path + "_error", rows, [&field](LocalRow& row) -> double& {
       return (row.*field.member).error;
+    });
+    read_column(in, path + "_effective_samples", rows, [&field](LocalRow& row) -> double& {
+      return (row.*field.member).effective_samples;
     });
   }
   return rows;

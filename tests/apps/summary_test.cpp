@@ -22,6 +22,14 @@ TEST(Summary, AbsentNumbersAreWordsForPeopleAndNullForPrograms) {
   EXPECT_NE(summary.json().find("\"value\": null"), std::string::npos);
 }
 
+TEST(Summary, SaysHowFarAnErrorCanBeTrusted) {
+  Summary summary;
+  summary.add_estimate("phi", "phi", 0.58, 0.008, "", {0.018, "not converged"});
+  EXPECT_EQ(summary.text(), "phi  0.5800 +- 0.0080 (not converged)\n");
+  EXPECT_NE(summary.json().find("\"half_width_95\": 0.018"), std::string::npos);
+  EXPECT_NE(summary.json().find("\"convergence\": \"not converged\""), std::string::npos);
+}
+
 TEST(Summary, LongTextStaysWithinEightyColumns) {
   Summary summary;
   std::string words;
