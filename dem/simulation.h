@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <string>
@@ -10,7 +11,7 @@
 #include "dem/box.h"
 #include "dem/carried_pairs.h"
 #include "dem/checkpoint.h"
-#include "dem/contact_forces.h"
+#include "dem/contact_loops.h"
 #include "dem/drive.h"
 #include "dem/energy_ledger.h"
 #include "dem/initial_state.h"
@@ -245,16 +246,22 @@ class Simulation : public SimulationBase {
 
   template <class Record>
   void add_forces(Record&& record) {
+    using Loops = ContactLoops<Law>;
+    constexpr bool unseen = std::is_same_v<std::decay_t<Record>, NoRecord>;
     const bool search = searching_;
     const auto work = [&](std::size_t s) {
       Strip& strip = strips_[s];
       if (search) {
-        search_near<Law>(
+        Loops::search(
             range_, search_skin_, contacts_, particles_, list_, load_of_pair_, memory_, strip);
       }
-      add_contact_forces(law_, contacts_, particles_, memory_, strip, record);
+      if constexpr (unseen) {
+        Loops::add_forces(law_, contacts_, particles_, memory_, strip);
+      } else {
+        Loops::add_forces(law_, contacts_, particles_, memory_, strip, std::ref(record));
+      }
     };
-    if constexpr (std::is_same_v<std::decay_t<Record>, NoRecord>) {
+    if constexpr (unseen) {
       team_->run(strips_.size(), work);
     } else {
       for (std::size_t s = 0; s < strips_.size(); ++s) work(s);  // records come in order
