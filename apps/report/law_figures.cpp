@@ -49,15 +49,15 @@ Csv curve_csv(const std::vector<LawPoint>& curve) {
   Csv csv{.columns = {"I", "mu", "mu lower", "mu upper", "phi", "phi lower", "phi upper"},
           .rows = {}};
   for (const LawPoint& point : curve) {
-    const auto& [mu, mu_error] = point.friction;
-    const auto& [phi, phi_error] = point.volume_fraction;
+    const dem::Estimate& mu = point.friction;
+    const dem::Estimate& phi = point.volume_fraction;
     csv.rows.push_back({point.inertial_number,
-                        mu,
-                        mu - mu_error,
-                        mu + mu_error,
-                        phi,
-                        phi - phi_error,
-                        phi + phi_error});
+                        mu.value,
+                        mu.value - mu.error,
+                        mu.value + mu.error,
+                        phi.value,
+                        phi.value - phi.error,
+                        phi.value + phi.error});
   }
   return csv;
 }

@@ -65,7 +65,8 @@ std::string interval(double lower, double upper) {
 }
 
 std::string with_error(const dem::Estimate& estimate) {
-  const auto [value, error] = estimate;
+  const double value = estimate.value;
+  const double error = estimate.error;
   if (!std::isfinite(value)) return std::string(absent);
   if (!std::isfinite(error) || error <= 0.0) return significant(value, 4);
   const int error_power = leading_power(error, 2);
