@@ -20,6 +20,12 @@ const WallDrive* drive_of(const BandProblem& problem) {
   return nullptr;
 }
 
+ShearBand::Sought sought(const BandProblem& problem) {
+  const WallDrive* drive = drive_of(problem);
+  return drive != nullptr && drive->velocity ? ShearBand::Sought::stress
+                                             : ShearBand::Sought::velocity;
+}
+
 struct Solution {
   BandState state;
   double stress = 0.0;  ///< on the moving wall
@@ -91,8 +97,7 @@ Solution solve(const BandProblem& problem, int cells) {
 /// second-order scheme: of the velocity where the stress is given, else of the stress.
 double error_of(const BandProblem& problem, const Solution& fine, int cells) {
   const Solution coarse = solve(problem, cells / 2);
-  const WallDrive* drive = drive_of(problem);
-  const bool stress_sought = drive != nullptr && drive->velocity;
+  const bool stress_sought = sought(problem) == ShearBand::Sought::stress;
   const double a = stress_sought ? fine.stress : fine.state.velocity;
   const double b = stress_sought ? coarse.stress : coarse.state.velocity;
   return std::abs(a - b) / (3.0 * a);
@@ -163,8 +168,7 @@ std::string rest_text(const BandProblem& problem, const BandState& state) {
 
 /// d ln I / d ln mu of the law at the largest stress; without meaning where the speed is given.
 double condition_number(const BandProblem& problem, const BandState& state) {
-  const WallDrive* drive = drive_of(problem);
-  if (drive != nullptr && drive->velocity) return 0.0;
+  if (sought(problem) == ShearBand::Sought::stress) return 0.0;
   const FlowCurve curve = problem.curve(state.wall.pressure);
   const double tau = state.wall.shear_stress;
   const double excess = tau - curve.yield_stress;
@@ -204,6 +208,7 @@ ShearBand shear_band(const RheologyTable& table,
   const BandUnits units(band.grains);
   const BandProblem problem = make_problem(table, band, units);
   ShearBand result;
+  result.sought = sought(problem);
   const Solution found = refine(problem, options, result);
   const BandState& state = found.state;
   if (state.flows()) {

@@ -73,6 +73,9 @@ struct ShearBand {
   /// (annulus: outer radius), of the box its period and its largest velocity; flux of the box is
   /// that of half a period. mass_above of the annulus: towards the outer wall. Empty without flow.
   Profile profile;
+  enum class Sought { velocity, stress };
+  Sought sought = Sought::velocity;  ///< which of the two below was not given
+  double error = 0.0;                ///< of the one sought, one standard error; see add_error
   double driving_stress = 0.0;    ///< largest tau: on the moving wall, in the box at y = 0 [stress]
   double driving_velocity = 0.0;  ///< of the moving wall; of the box the largest [length/time]
   double yielded_width = 0.0;     ///< thickness where tau exceeds the yield stress [length]
@@ -94,5 +97,9 @@ struct ShearBand {
 ShearBand shear_band(const RheologyTable& table,
                      const ShearBandCase& band,
                      const ShearBandOptions& options = {});
+
+/// Fills `error` by linear propagation of the table's covariance; leaves 0 when the table states no
+/// errors or a step of a coefficient leaves the steady flows, which is then said in the answer.
+void add_error(ShearBand& band, const RheologyTable& table, const ShearBandCase& of);
 
 }  // namespace grainlaw::continuum

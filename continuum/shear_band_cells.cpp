@@ -294,8 +294,11 @@ constexpr int most_passes = 400;
 constexpr double pass_tolerance = 1e-13;
 
 /// Shears the cells as they lie. Returns the largest change of a volume fraction, which has then
-/// moved half way to its new value: full steps overshoot where I is near I_phi.
-double pass(const BandProblem& problem, BandState& state, std::vector<double>& guess) {
+/// moved `share` of the way to its new value.
+double pass(const BandProblem& problem,
+            BandState& state,
+            std::vector<double>& guess,
+            double share) {
   std::vector<double> before;
   for (const BandCell& cell : state.cells) before.push_back(cell.volume_fraction);
   if (problem.amplitude > 0.0)
@@ -306,9 +309,36 @@ double pass(const BandProblem& problem, BandState& state, std::vector<double>& g
   for (std::size_t i = 0; i < before.size(); ++i) {
     double& phi = state.cells[i].volume_fraction;
     change = std::max(change, std::abs(phi - before[i]));
-    phi = 0.5 * (phi + before[i]);
+    phi = before[i] + share * (phi - before[i]);
   }
   return change;
+}
+
+/// Repeats passes until neither phi nor the extent changes. Full steps overshoot where I is near
+/// I_phi: once a change is not half of the one before, steps go half way.
+void settle(const BandProblem& problem, double wall_stress, BandState& state) {
+  std::vector<double> guess;
+  double change = 1.0;
+  double extent = 0.0;
+  double extent_change = 1.0;
+  double share = 1.0;
+  for (int k = 0; k < most_passes && (change > pass_tolerance || extent_change > pass_tolerance);
+       ++k) {
+    std::visit([&](const auto& flow) { lay_out(problem, flow, wall_stress, state.cells); },
+               problem.flow);
+    state.wall = wall_of(problem, wall_stress, state.cells);
+    const double before = change;
+    change = pass(problem, state, guess, share);
+    if (state.failure != BandFailure::none) return;
+    if (change > 0.5 * before) share = 0.5;
+    const double end = state.cells.back().along;
+    extent_change = std::abs(end - extent) / end;
+    extent = end;
+  }
+  if (change <= 1e-9) return;
+  state.failure = BandFailure::not_converged;
+  state.text = fmt::format(
+      "the volume fraction still changed by {:.2g} after {} passes", change, most_passes);
 }
 
 }  // namespace
@@ -336,28 +366,10 @@ double velocity_weight(const BandProblem& problem, const BandCell& cell) {
 
 BandState band_state(const BandProblem& problem, double wall_stress, int cells) {
   BandState state;
-  const double loosest = problem.curve(1.0).static_volume_fraction;
-  state.cells.assign(static_cast<std::size_t>(cells), {.volume_fraction = loosest});
-  std::vector<double> guess;
-  double change = 1.0;
-  double height_change = 1.0;
-  double height = 0.0;
-  for (int k = 0; k < most_passes && (change > pass_tolerance || height_change > pass_tolerance);
-       ++k) {
-    std::visit([&](const auto& flow) { lay_out(problem, flow, wall_stress, state.cells); },
-               problem.flow);
-    state.wall = wall_of(problem, wall_stress, state.cells);
-    change = pass(problem, state, guess);
-    if (state.failure != BandFailure::none) return state;
-    const double end = state.cells.back().along;
-    height_change = std::abs(end - height) / end;
-    height = end;
-  }
-  if (change > 1e-9) {
-    state.failure = BandFailure::not_converged;
-    state.text = fmt::format(
-        "the volume fraction still changed by {:.2g} after {} passes", change, most_passes);
-  }
+  const double start = problem.law.volume_fraction.phi0;
+  state.cells.assign(static_cast<std::size_t>(cells), {.volume_fraction = start});
+  settle(problem, wall_stress, state);
+  if (state.failure != BandFailure::none) return state;
   for (const BandCell& cell : state.cells)
     state.velocity += velocity_weight(problem, cell) * cell.shear_rate;
   state.yielded_width = yielded_width(problem, state);
