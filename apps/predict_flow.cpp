@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 
+#include "apps/io/homogeneous_csv.h"
 #include "apps/io/profile_csv.h"
 #include "apps/io/safe_write.h"
 #include "apps/io/split_bottom_csv.h"
@@ -37,29 +39,38 @@ struct Lines {
   }
 };
 
-const char* kind_of(const ShearBandCase& band) {
+std::string kind_of(const io::CaseFile& file) {
+  if (file.split_bottom) return "split-bottom cell (geometry)";
+  if (file.simple_shear) return "homogeneous shear (the law itself)";
   constexpr const char* kinds[] = {"plane shear", "body-force box", "annular shear"};
-  return kinds[band.flow.index()];
+  return kinds[file.band->flow.index()];
 }
 
 bool nonlocal(const ShearBandCase& band) {
   return band.nonlocal_amplitude.value_or(0.0) > 0.0;
 }
 
+const continuum::GrainProperties* grains_of(const io::CaseFile& file) {
+  if (file.band) return &file.band->grains;
+  return file.split_bottom ? &file.split_bottom->grains : nullptr;
+}
+
 /// What a prediction will use and leave out.
 Summary check(const io::CaseFile& file, const continuum::RheologyTable& table) {
   Summary summary;
   std::vector<std::string> left_out{"time loop: the steady state is asked"};
-  const auto& grains = file.band ? file.band->grains : file.split_bottom->grains;
-  if (!grains.stiffness) left_out.emplace_back("softness: rigid grains");
-  if (!grains.adhesion) left_out.emplace_back("cohesion: no adhesion given");
-  if (!table.covariance) left_out.emplace_back("error band: the table states no errors");
-  if (file.band && !nonlocal(*file.band))
-    left_out.emplace_back("nonlocal fluidity: no [nonlocal] amplitude");
+  const auto leave_out = [&](bool absent, const char* what) {
+    if (absent) left_out.emplace_back(what);
+  };
+  if (const auto* grains = grains_of(file)) {
+    leave_out(!grains->stiffness, "softness: rigid grains");
+    leave_out(!grains->adhesion, "cohesion: no adhesion given");
+  }
+  leave_out(!table.covariance, "error band: the table states no errors");
+  leave_out(!table.has_friction, "friction: the table has phi only");
+  leave_out(file.band && !nonlocal(*file.band), "nonlocal fluidity: no [nonlocal] amplitude");
   summary.add("case", "case", file.name);
-  summary.add("flow",
-              "flow",
-              std::string(file.band ? kind_of(*file.band) : "split-bottom cell (geometry)"));
+  summary.add("flow", "flow", kind_of(file));
   summary.add("coefficients", "coefficients", continuum::coefficient_names(table));
   summary.add("leaves_out", "leaves out", left_out);
   summary.add("run_time", "run time", std::string("below 0.1 s"));
@@ -170,6 +181,52 @@ ExitCode predict_split_bottom(const io::CaseFile& file,
   return ExitCode::answered;
 }
 
+/// One line per point; a table of many goes to the output.
+void say_states(Summary& summary, const std::vector<continuum::HomogeneousState>& states) {
+  constexpr std::size_t most = 24;
+  const auto text = [](const std::optional<double>& value) {
+    return value ? fmt::format("{:.5g}", *value) : std::string("none");
+  };
+  for (std::size_t i = 0; i < std::min(states.size(), most); ++i) {
+    const auto& s = states[i];
+    const std::string at =
+        fmt::format("I {:.4g}, p* {:.4g}, Bo {:.4g}", s.inertial_number, s.softness, s.bond_number);
+    summary.add(fmt::format("state_{}", i + 1),
+                at,
+                fmt::format("mu {}, phi {}{}",
+                            text(s.friction),
+                            text(s.volume_fraction),
+                            s.in_range ? "" : "  OUT_OF_DOMAIN"));
+  }
+  if (states.size() > most)
+    summary.add("more", "more", fmt::format("{} points: give -o", states.size() - most));
+}
+
+ExitCode predict_simple_shear(const io::CaseFile& file,
+                              const continuum::RheologyTable& table,
+                              const std::string& output,
+                              const CommonOptions& options) {
+  const auto& shear = *file.simple_shear;
+  const auto states = continuum::homogeneous_shear(
+      table, shear.inertial_numbers, shear.softnesses, shear.bond_numbers);
+  Summary summary;
+  say_states(summary, states);
+  const long outside = std::ranges::count(states, false, &continuum::HomogeneousState::in_range);
+  summary.add("outside", "points outside", outside);
+  summary.add("trust",
+              "trust",
+              fmt::format("{} of {} points outside the range of the data{}",
+                          outside,
+                          states.size(),
+                          checks_text(table)));
+  if (!output.empty())
+    write(output,
+          as_json(output) ? io::homogeneous_json(states) : io::homogeneous_csv(states),
+          summary);
+  print(summary, options);
+  return ExitCode::answered;
+}
+
 }  // namespace
 
 ExitCode predict_flow(const io::CaseFile& file,
@@ -180,8 +237,9 @@ ExitCode predict_flow(const io::CaseFile& file,
     print(check(file, table), options);
     return ExitCode::answered;
   }
-  return file.band ? predict_band(file, table, output, options)
-                   : predict_split_bottom(file, table, output, options);
+  if (file.band) return predict_band(file, table, output, options);
+  if (file.split_bottom) return predict_split_bottom(file, table, output, options);
+  return predict_simple_shear(file, table, output, options);
 }
 
 }  // namespace grainlaw

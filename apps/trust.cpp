@@ -33,13 +33,13 @@ std::string band_text(const continuum::RheologyTable& table, bool with_errors) {
                      : "; no band: the table's covariance was not carried through";
 }
 
+}  // namespace
+
 std::string checks_text(const continuum::RheologyTable& table) {
   const auto& checks = table.provenance.checked_against;
   return checks.empty() ? "; checked against nothing"
                         : "; checked against " + io::joined(checks, "; ");
 }
-
-}  // namespace
 
 std::string trust(const continuum::Answer& answer,
                   const continuum::RheologyTable& table,

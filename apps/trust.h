@@ -14,4 +14,7 @@ std::string trust(const continuum::Answer& answer,
                   const continuum::RheologyTable& table,
                   bool with_errors = true);
 
+/// "; checked against ...": all that the table says, or nothing.
+std::string checks_text(const continuum::RheologyTable& table);
+
 }  // namespace grainlaw

@@ -91,22 +91,50 @@ SplitBottomCase read_split_bottom(Section section, const Units& units) {
   return cell;
 }
 
+SimpleShearCase read_simple_shear(Section section) {
+  using Numbers = std::vector<double>;
+  SimpleShearCase shear;
+  shear.inertial_numbers = section.read<Numbers>({"inertial_number", "I", {}, not_negative});
+  shear.softnesses = section.find<Numbers>({"softness", "p*", {}, not_negative}, "0: rigid grains")
+                         .value_or(shear.softnesses);
+  shear.bond_numbers =
+      section.find<Numbers>({"bond_number", "Bo", {}, not_negative}, "0: no cohesion")
+          .value_or(shear.bond_numbers);
+  return shear;
+}
+
 std::optional<double> read_nonlocal(InputFile& in, bool band) {
   Section section = in.optional_section(
       "nonlocal", "Nonlocal granular fluidity of a band; without it the local law");
   if (section.given() && !band)
-    section.problem("", "[nonlocal] has no meaning for a split bottom, which is geometry");
+    section.problem("", "[nonlocal] belongs to a shear band; leave it out for this kind of flow");
   if (!section.given()) return std::nullopt;
   return section.read<double>(
       {"amplitude", "A of the cooperativity length; 0.48 for glass beads", {}, not_negative});
 }
 
+/// Flows that are no band in one dimension.
+void read_others(InputFile& in, Section& geometry, const std::string& kind, CaseFile& file) {
+  if (geometry.applies(kind == "split_bottom")) {
+    Section section = geometry.when(
+        "kind", "split_bottom", "Ring cell with a split bottom: geometry of its band");
+    file.units = read_units(in, section);
+    file.split_bottom = read_split_bottom(section, file.units);
+  }
+  if (geometry.applies(kind == "simple_shear")) {
+    Section section = geometry.when(
+        "kind", "simple_shear", "Homogeneous shear: the law itself, at every combination");
+    file.units = read_units(in);
+    file.simple_shear = read_simple_shear(section);
+  }
+}
+
 }  // namespace
 
 void read_flow(InputFile& in, Section& geometry, CaseFile& file) {
-  const std::string kind =
-      geometry.choice({"kind", "of the flow, see below"},
-                      {"plane_shear", "body_force_box", "annular_shear", "split_bottom"});
+  const std::string kind = geometry.choice(
+      {"kind", "of the flow, see below"},
+      {"plane_shear", "body_force_box", "annular_shear", "split_bottom", "simple_shear"});
   ShearBandCase band;
   const auto take = [&](std::string_view word, std::string_view meaning, auto reader) {
     if (!geometry.applies(kind == word)) return;
@@ -117,14 +145,10 @@ void read_flow(InputFile& in, Section& geometry, CaseFile& file) {
   take("plane_shear", "Layer between two walls, the upper one moving", read_plane_shear);
   take("body_force_box", "Periodic box driven by a sinusoidal body force", read_body_force_box);
   take("annular_shear", "Between two cylinders, the inner one turning", read_annular_shear);
-  if (geometry.applies(kind == "split_bottom")) {
-    Section section = geometry.when(
-        "kind", "split_bottom", "Ring cell with a split bottom: geometry of its band");
-    file.units = read_units(in, section);
-    file.split_bottom = read_split_bottom(section, file.units);
-  }
-  band.nonlocal_amplitude = read_nonlocal(in, kind != "split_bottom");
-  if (kind != "split_bottom") file.band = band;
+  read_others(in, geometry, kind, file);
+  const bool is_band = !file.split_bottom && !file.simple_shear;
+  band.nonlocal_amplitude = read_nonlocal(in, is_band);
+  if (is_band) file.band = band;
 }
 
 }  // namespace grainlaw::io
