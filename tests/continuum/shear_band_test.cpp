@@ -193,6 +193,18 @@ TEST(ShearBand, IsTheSameInSiUnits) {
   }
 }
 
+/// In uniform plane shear tau = p mu(I) at a given speed: d tau = p (d mu0 + I d beta).
+TEST(ShearBand, CarriesTheCovarianceOfTheTableThrough) {
+  auto table = table_of(linear_law());
+  table.covariance = Covariance{{"mu0", "beta"}, {1e-4, -2e-4, -2e-4, 9e-4}};
+  const auto question = plane_shear({.velocity = 30.0});
+  auto band = shear_band(table, question);
+  add_error(band, table, question);
+  const double I = 0.5 / std::sqrt(10.0);
+  const double exact = 10.0 * std::sqrt(1e-4 - 2.0 * 2e-4 * I + 9e-4 * I * I);
+  EXPECT_NEAR(band.error, exact, 1e-6 * exact);  // rounding 1e-12 over a step of 1e-2 errors
+}
+
 TEST(ShearBand, CountsTheRangeOnlyWhereItShears) {
   auto table = table_of(linear_law());
   table.range.inertial_number = Range{0.0, 0.01};
