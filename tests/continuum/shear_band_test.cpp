@@ -138,6 +138,36 @@ TEST(NonlocalBand, NeedsMoreStressThanTheLocalLawToFlow) {
   EXPECT_NE(band.answer.text.find("only rest"), std::string::npos);
 }
 
+/// mu passes mu_s inside some cell at every stress: nothing jumps there. Velocity is smooth in the
+/// stress, so its third differences vanish like the step cubed.
+TEST(NonlocalBand, YieldInsideACellLeavesNoTrace) {
+  std::vector<double> velocity;
+  for (int k = 0; k < 4; ++k) {
+    auto band = plane_shear({.stress = 4.5 + 0.01 * k}, 1.0);
+    band.nonlocal_amplitude = 0.48;
+    velocity.push_back(shear_band(table_of(linear_law()), band).driving_velocity);
+  }
+  const double first = velocity[1] - velocity[0];
+  const double third = velocity[3] - 3.0 * velocity[2] + 3.0 * velocity[1] - velocity[0];
+  EXPECT_LT(std::abs(third), 1e-4 * first);
+}
+
+/// xi far above the gap: g is uniform, and the mean of its gain decides. xi far below a cell: the
+/// local law. Both run.
+TEST(NonlocalBand, RunsForAnyCooperativityLength) {
+  const auto outcome = [](double amplitude, double stress) {
+    auto band = plane_shear({.stress = stress}, 1.0, 6.0);
+    band.nonlocal_amplitude = amplitude;
+    return shear_band(table_of(linear_law()), band);
+  };
+  // tau / p falls from stress / 10 to stress / 13.6 through the gap, the mean of its excess over
+  // mu0 = 0.35 is stress ln(1.36) / 3.6 - 0.35
+  EXPECT_EQ(outcome(1e3, 4.0).answer.outcome, Outcome::arrested);
+  EXPECT_EQ(outcome(1e3, 4.2).answer.outcome, Outcome::steady);
+  const double local = outcome(0.0, 4.2).driving_velocity;
+  EXPECT_NEAR(outcome(1e-5, 4.2).driving_velocity, local, 1e-4 * local);
+}
+
 TEST(NonlocalBand, OfSoftOrCohesiveGrainsIsCalledExperimental) {
   auto band = plane_shear({.stress = 4.0}, 1.0);
   band.nonlocal_amplitude = 0.48;
