@@ -197,6 +197,7 @@ ExitCode predict(const Arguments& arguments, const CommonOptions& options) {
   io::CaseFile file = io::read_case(arguments.question);
   const continuum::RheologyTable table =
       io::in_grain_units(io::read_table(arguments.table), file.units);
+  if (!file.simple_shear) continuum::validate(table);  // no flow follows from phi alone
   if (!file.is_chute()) return predict_flow(file, table, arguments.output, options);
   if (options.check) {
     print(check(file, table), options);

@@ -153,6 +153,14 @@ ExitCode predict_band(const io::CaseFile& file,
   return ExitCode::answered;
 }
 
+/// Where the error function of the surface has a tenth and nine tenths of the rotation rate.
+void say_spread(const Lines& lines, const SplitBottom& cell) {
+  constexpr double decile = 0.9061938024;  // erf = 0.8
+  const double half = decile * cell.surface_width;
+  lines.add("tenth_radius", "  10 % of Omega at", cell.path_radius - half, is::length);
+  lines.add("nine_tenths_radius", "  90 % of Omega at", cell.path_radius + half, is::length);
+}
+
 ExitCode predict_split_bottom(const io::CaseFile& file,
                               const continuum::RheologyTable& table,
                               const std::string& output,
@@ -170,6 +178,7 @@ ExitCode predict_split_bottom(const io::CaseFile& file,
   }
   lines.add("measured_radius", "R_c, experiments", cell.measured_radius, is::length);
   lines.add("surface_width", "W at the surface", cell.surface_width, is::length);
+  if (!cell.rows.empty()) say_spread(lines, cell);
   summary.add("trust", "trust", trust(cell.answer, table, false));
   if (!output.empty() && !cell.rows.empty())
     write(output,

@@ -63,7 +63,7 @@ Solution at_velocity(const BandProblem& problem, double velocity, int cells) {
   auto [low, high] = bracket(at, std::max(wall_yield_stress(problem), 0.0), velocity);
   double below = low.state.velocity - velocity;
   double above = high.state.velocity - velocity;
-  int kept = 0;  // times in a row that the lower (-) or upper (+) end stayed
+  int kept = 0;  // times in a row that the lower end stayed (negative), or the upper one
   for (int k = 0; k < 200; ++k) {
     const double share = exists(high) ? below / (below - above) : 0.5;
     const double stress = low.stress + share * (high.stress - low.stress);
@@ -82,6 +82,11 @@ Solution at_velocity(const BandProblem& problem, double velocity, int cells) {
       kept = std::max(kept, 0) + 1;
       if (kept > 1) above *= 0.5;
     }
+  }
+  if (exists(high) && high.state.velocity > (1.0 + 1e-6) * velocity) {
+    high.state.failure = BandFailure::not_converged;
+    high.state.text = fmt::format(
+        "the velocity jumps over the one asked at tau = {:.6g} rho_p d^2 / time^2", high.stress);
   }
   return high;
 }
@@ -191,6 +196,9 @@ void describe(const BandProblem& problem,
   result.answer = {.outcome = Outcome::steady,
                    .text = band_text(problem, state, result.band_width),
                    .condition_number = condition_number(problem, state)};
+  if (result.discretisation_error > options.discretisation)
+    result.answer.text += fmt::format(
+        "; {} cells leave a relative error of {:.2g}", result.cells, result.discretisation_error);
   const Layer layer{.law = problem.law, .grains = problem.grains};
   result.answer.out_of_domain =
       range_flags(layer, table, shearing_part(problem, state, result.profile.height));
