@@ -8,8 +8,10 @@
 #include "apps/io/profile_csv.h"
 #include "apps/io/rheology_table_toml.h"
 #include "apps/io/safe_write.h"
+#include "apps/predict_flow.h"
 #include "apps/program.h"
 #include "apps/summary.h"
+#include "apps/trust.h"
 #include "continuum/chute_1d.h"
 
 namespace grainlaw {
@@ -64,44 +66,6 @@ continuum::SteadyChute steady_at_depth(const continuum::RheologyTable& table,
                     steady.profile.height));
   }
   return steady;
-}
-
-std::string flag_text(const continuum::RangeFlag& flag) {
-  if (std::isinf(flag.upper)) {
-    return fmt::format("{} is {:.3g}, a continuum law needs at least about {:.3g}",
-                       flag.quantity,
-                       flag.reached_lowest,
-                       flag.lower);
-  }
-  return fmt::format(
-      "{} reaches {:.3g} to {:.3g}, data {:.3g} to {:.3g} ({:.0f} % of the flowing "
-      "mass outside)",
-      flag.quantity,
-      flag.reached_lowest,
-      flag.reached_highest,
-      flag.lower,
-      flag.upper,
-      100.0 * flag.fraction_outside);
-}
-
-/// The one line of trust that ends every prediction.
-std::string trust(const continuum::Answer& answer, const continuum::RheologyTable& table) {
-  if (!flows(answer.outcome) && answer.out_of_domain.empty()) {
-    return "no steady flow, so no range and no band to judge";
-  }
-  std::string text;
-  if (answer.out_of_domain.empty()) text = "inside the range of the data";
-  for (const continuum::RangeFlag& flag : answer.out_of_domain) {
-    text += (text.empty() ? "OUT_OF_DOMAIN: " : ", OUT_OF_DOMAIN: ") + flag_text(flag);
-  }
-  if (answer.condition_number > 0.0) {
-    text += fmt::format("; 1 % of mu moves I by {:.1f} %", answer.condition_number);
-  }
-  text += table.covariance ? "; band: one standard error from the table's covariance"
-                           : "; no band: this table states no errors";
-  const auto& checks = table.provenance.checked_against;
-  return text +
-         (checks.empty() ? "; checked against nothing" : "; checked against " + checks.front());
 }
 
 void describe(Summary& summary,
@@ -233,6 +197,8 @@ ExitCode predict(const Arguments& arguments, const CommonOptions& options) {
   io::CaseFile file = io::read_case(arguments.question);
   const continuum::RheologyTable table =
       io::in_grain_units(io::read_table(arguments.table), file.units);
+  if (!file.simple_shear) continuum::validate(table);  // no flow follows from phi alone
+  if (!file.is_chute()) return predict_flow(file, table, arguments.output, options);
   if (options.check) {
     print(check(file, table), options);
     return ExitCode::answered;
@@ -262,10 +228,11 @@ ExitCode predict(const Arguments& arguments, const CommonOptions& options) {
 int main(int argc, char** argv) {
   using namespace grainlaw;
   CommonOptions options;
-  CommandLine line("grainlaw-predict",
-                   "Predicts a chute flow from a fitted or published table; needs no DEM.",
-                   "  grainlaw predict data/cases/chute.toml -t data/tables/shi2020_mu_p_0.50.toml",
-                   options);
+  CommandLine line(
+      "grainlaw-predict",
+      "Predicts a chute flow or a shear band from a fitted or published table; needs no DEM.",
+      "  grainlaw predict data/cases/chute.toml -t data/tables/shi2020_mu_p_0.50.toml",
+      options);
   Arguments arguments;
   line.required("CASE.toml", arguments.question, "the question");
   line.option("-t,--table", arguments.table, "rheology table", true);

@@ -47,6 +47,10 @@ auto coefficients(Table& table) {
   using Value = std::conditional_t<std::is_const_v<Table>, const double, double>;
   std::vector<NamedCoefficient<Value>> out;
   std::visit([&](auto& law) { list(law, out); }, table.law);
+  if (!table.has_friction)
+    std::erase_if(out, [](const auto& entry) {
+      return entry.name == "mu0" || entry.name == "beta" || entry.name == "kappa";
+    });
   if (auto& base = table.base)
     out.insert(out.end(),
                {{"no_slip_height", &base->no_slip_height}, {"mass_below", &base->mass_below}});
@@ -115,8 +119,12 @@ void validate_cohesion(const CohesionVolumeFraction& law) {
   }
 }
 
-void validate_law(const MuPhi& law) {
-  validate_friction(law.friction);
+void validate_law(const GeneralisedBagnold& law, bool) {
+  validate_law(law);
+}
+
+void validate_law(const MuPhi& law, bool has_friction) {
+  if (has_friction) validate_friction(law.friction);
   if (const auto& soft = law.softness_friction) require_positive("p_mu", soft->p_mu);
   if (const auto& c = law.cohesion_friction) {
     require_not_negative("cohesion_alpha", c->alpha);
@@ -218,7 +226,17 @@ void validate_covariance(const RheologyTable& table, const Covariance& covarianc
 }  // namespace
 
 void validate(const RheologyTable& table) {
-  std::visit([](const auto& law) { validate_law(law); }, table.law);
+  validate_coefficients(table);
+  if (!table.has_friction)
+    throw TableError(
+        fmt::format("this table has phi only: its source gives no friction for mu_p = {:.3g}, so "
+                    "phi(I, p*, Bo) "
+                    "follows from it but no flow",
+                    table.contact_friction));
+}
+
+void validate_coefficients(const RheologyTable& table) {
+  std::visit([&](const auto& law) { validate_law(law, table.has_friction); }, table.law);
   if (table.base) {
     require_not_negative("no_slip_height", table.base->no_slip_height);
     require_not_negative("mass_below", table.base->mass_below);

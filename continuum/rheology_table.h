@@ -58,6 +58,7 @@ struct Provenance {
 /// a, b, tau_c are stored in the set of units named by `units`; mu, phi laws are dimensionless.
 struct RheologyTable {
   std::variant<GeneralisedBagnold, MuPhi> law;
+  bool has_friction = true;              ///< false: phi only, mu(I) of the law says nothing
   double contact_friction = 0.0;         ///< mu_p of the grains
   std::string units = "grain";           ///< of a, b, tau_c
   std::optional<EffectiveBase> base;     ///< absent: u = 0 at z = 0
@@ -73,13 +74,18 @@ struct TableError : std::runtime_error {
 };
 
 /// Checks signs, ranges, monotony, and that the covariance is symmetric, positive semidefinite and
-/// names coefficients the table has. Throws TableError.
+/// names coefficients the table has; and that a flow follows from the table, which it does not from
+/// phi alone. Throws TableError.
 void validate(const RheologyTable& table);
+
+/// The same for a table that may have phi only. Throws TableError.
+void validate_coefficients(const RheologyTable& table);
 
 /// Names of the coefficients of a table, only those that are present, in this order:
 ///   closure A: a, b, tau_c, volume_fraction;
-///   closure B: mu0, beta, kappa, p_mu, cohesion_alpha, cohesion_beta, phi0, I_phi, p_phi, p1..p4;
-///   both: no_slip_height, mass_below. A covariance may name any subset in any order.
+///   closure B: mu0, beta, kappa (all three with friction only), p_mu, cohesion_alpha,
+///   cohesion_beta, phi0, I_phi, p_phi, p1..p4; both: no_slip_height, mass_below. A covariance may
+///   name any subset in any order.
 std::vector<std::string> coefficient_names(const RheologyTable& table);
 
 /// Reads or replaces one coefficient by name. Throws TableError for an unknown name.

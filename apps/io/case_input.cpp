@@ -2,6 +2,8 @@
 
 #include <numbers>
 
+#include "apps/io/flow_input.h"
+
 namespace grainlaw::io {
 namespace {
 
@@ -51,20 +53,42 @@ void read_transient(InputFile& in, const Units& units, CaseFile& file) {
   }
 }
 
-void read_keys(InputFile& in, CaseFile& file) {
-  Section chute = in.section("chute", "The inclined layer");
-  file.units = read_units(in, chute);
+void read_question(InputFile& in, CaseFile& file) {
   Section top = in.top();
   file.name = top.read_or<std::string>(
       {"name", "of the case"}, in.path().stem().string(), "name of the file");
   const std::string answer =
-      top.choice({"answer", "what is asked: the steady flow, or the start from rest"},
+      top.choice({"answer", "what is asked: the steady flow, or the start from rest of a chute"},
                  {"steady", "start"},
                  "steady");
   file.question = answer == "start" ? Question::start : Question::steady;
+}
+
+void read_chute_case(InputFile& in, CaseFile& file) {
+  Section chute = in.section("chute", "The inclined layer; or [geometry] for another flow");
+  file.units = read_units(in, chute);
+  read_question(in, file);
   read_grains(in, file.units, file.chute.grains);
   read_chute(chute, file.units, file);
   read_transient(in, file.units, file);
+}
+
+/// A flow without [chute]; only its steady state can be asked.
+void read_other_case(InputFile& in, Section& geometry, CaseFile& file) {
+  read_flow(in, geometry, file);
+  read_question(in, file);
+  continuum::GrainProperties grains;
+  read_grains(in, file.units, grains);
+  if (file.band) file.band->grains = grains;
+  if (file.split_bottom) file.split_bottom->grains = grains;
+  if (file.question == Question::start)
+    in.top().problem("answer", "answer = \"start\" is known for a [chute] only");
+}
+
+void read_keys(InputFile& in, CaseFile& file) {
+  Section geometry = in.optional_section("geometry", "A flow other than a chute, in its place");
+  if (geometry.applies(!geometry.given())) read_chute_case(in, file);
+  if (geometry.given()) read_other_case(in, geometry, file);
 }
 
 CaseFile read(InputFile in) {

@@ -3,17 +3,30 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "apps/io/units.h"
 #include "continuum/chute_1d.h"
+#include "continuum/shear_band.h"
+#include "continuum/split_bottom.h"
 
 namespace grainlaw::io {
 
 enum class Question { steady, start };
 
-/// A chute to predict, in internal units (m = d = g = 1), and the units of its file.
+/// Points of homogeneous shear: every combination of the numbers.
+struct SimpleShearCase {
+  std::vector<double> inertial_numbers{};
+  std::vector<double> softnesses{0.0};
+  std::vector<double> bond_numbers{0.0};
+};
+
+/// A flow to predict, in internal units (m = d = g = 1), and the units of its file.
 struct CaseFile {
   std::string name;
+  std::optional<continuum::ShearBandCase> band;            ///< a shear band, no chute
+  std::optional<continuum::SplitBottomCase> split_bottom;  ///< a ring cell, no chute
+  std::optional<SimpleShearCase> simple_shear;             ///< the law itself, no flow
   continuum::ChuteCase chute;  ///< mass_per_area is 0 when the depth is given instead
   Question question = Question::steady;
   continuum::TransientOptions transient;
@@ -21,6 +34,8 @@ struct CaseFile {
   Units units;
   std::string text;
   std::filesystem::path path;
+
+  bool is_chute() const { return !band && !split_bottom && !simple_shear; }
 };
 
 /// Throws InputError.

@@ -33,7 +33,7 @@ constexpr auto columns = std::to_array<Column>({
 });
 
 /// An error that is 0 everywhere was never stated; a column of zeros would claim exactness.
-std::vector<Column> columns_of(const Profile& profile) {
+std::vector<Column> columns_of(const Profile& profile, const std::string& coordinate) {
   const auto says_something = [&](const Column& column) {
     return !column.error || std::ranges::any_of(profile.rows, [&](const ProfileRow& row) {
       return row.*column.member != 0.0;
@@ -41,6 +41,7 @@ std::vector<Column> columns_of(const Profile& profile) {
   };
   std::vector<Column> out;
   std::ranges::copy_if(columns, std::back_inserter(out), says_something);
+  out.front().name = coordinate.c_str();
   return out;
 }
 
@@ -73,7 +74,8 @@ std::string range_text(const continuum::RangeFlag& flag) {
 
 std::string profile_csv(const Profile& profile,
                         const continuum::Answer& answer,
-                        const Units& units) {
+                        const Units& units,
+                        const std::string& coordinate) {
   std::string out = fmt::format(
       "# {}: {}\n# units {}\n", continuum::name(answer.outcome), answer.text, units.symbols());
   for (const auto& flag : answer.out_of_domain)
@@ -84,7 +86,7 @@ std::string profile_csv(const Profile& profile,
                        profile.*total.member * units.size(total.dimension),
                        units.symbol(total.dimension));
   }
-  const std::vector<Column> shown = columns_of(profile);
+  const std::vector<Column> shown = columns_of(profile, coordinate);
   const char* separator = "";
   for (const Column& column : shown) {
     out += fmt::format("{}{} [{}]", separator, column.name, units.symbol(column.dimension));
@@ -102,7 +104,8 @@ std::string profile_csv(const Profile& profile,
 
 std::string profile_json(const Profile& profile,
                          const continuum::Answer& answer,
-                         const Units& units) {
+                         const Units& units,
+                         const std::string& coordinate) {
   nlohmann::ordered_json out;
   out["outcome"] = continuum::name(answer.outcome);
   out["text"] = answer.text;
@@ -119,7 +122,7 @@ std::string profile_json(const Profile& profile,
     out[total.name] = profile.*total.member * units.size(total.dimension);
     out["units"][total.name] = units.symbol(total.dimension);
   }
-  for (const Column& column : columns_of(profile)) {
+  for (const Column& column : columns_of(profile, coordinate)) {
     nlohmann::ordered_json& values = out["profile"][column.name] = nlohmann::ordered_json::array();
     for (const ProfileRow& row : profile.rows) {
       values.push_back(row.*column.member * units.size(column.dimension));

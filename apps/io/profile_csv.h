@@ -9,14 +9,17 @@
 namespace grainlaw::io {
 
 /// A profile in the given units, as CSV with the unit of every column in its header and the answer
-/// in comment lines before it. Errors are there when the table states any.
+/// in comment lines before it. Errors are there when the table states any. `coordinate` is what z
+/// of the rows is called, "r" between cylinders.
 std::string profile_csv(const continuum::Profile& profile,
                         const continuum::Answer& answer,
-                        const Units& units);
+                        const Units& units,
+                        const std::string& coordinate = "z");
 
 /// Same as JSON.
 std::string profile_json(const continuum::Profile& profile,
                          const continuum::Answer& answer,
-                         const Units& units);
+                         const Units& units,
+                         const std::string& coordinate = "z");
 
 }  // namespace grainlaw::io

@@ -97,12 +97,40 @@ void read_volume_fraction_terms(InputFile& in, MuPhi& law) {
   }
 }
 
+void read_phi(InputFile& in, MuPhi& law) {
+  law.volume_fraction = read_volume_fraction(in);
+  read_volume_fraction_terms(in, law);
+}
+
 MuPhi read_mu_phi(InputFile& in) {
   MuPhi law;
   law.friction = read_friction(in);
   read_friction_terms(in, law);
-  law.volume_fraction = read_volume_fraction(in);
-  read_volume_fraction_terms(in, law);
+  read_phi(in, law);
+  return law;
+}
+
+/// Coefficients of phi as functions of the contact friction, [Q_inf, Q_0, mu_p0] each:
+/// Q = Q_inf + (Q_0 - Q_inf) exp(-mu_p / mu_p0)  (Shi et al. 2020, eq. 1B), at the table's mu_p.
+MuPhi read_phi_of_contact_friction(InputFile& in, double contact_friction) {
+  Section section = in.section("law.of_contact_friction",
+                               "Q = Q_inf + (Q_0 - Q_inf) exp(-mu_p/mu_p0), at contact_friction");
+  const auto read = [&](std::string_view name) {
+    const auto q = section.read<std::vector<double>>({name, "[Q_inf, Q_0, mu_p0]"});
+    if (q.size() == 3 && q[2] > 0.0)
+      return q[0] + (q[1] - q[0]) * std::exp(-contact_friction / q[2]);
+    if (section.has(name)) section.problem(name, "must be [Q_inf, Q_0, mu_p0] with mu_p0 > 0");
+    return 0.5;
+  };
+  MuPhi law;
+  law.volume_fraction.phi0 = read("phi0");
+  law.volume_fraction.I_phi = read("I_phi");
+  law.softness_volume_fraction = {read("p_phi")};
+  law.cohesion_volume_fraction.emplace();
+  law.cohesion_volume_fraction->p1 = read("p1");
+  law.cohesion_volume_fraction->p2 = read("p2");
+  law.cohesion_volume_fraction->p3 = read("p3");
+  law.cohesion_volume_fraction->p4 = read("p4");
   return law;
 }
 
@@ -111,10 +139,19 @@ void read_law(InputFile& in, RheologyTable& table) {
   const std::string closure =
       section.choice({"closure",
                       "\"bagnold\": tau = tau_c + a gd^2 + b gd at one tilt; \"mu_phi\": "
-                      "mu(I, p*, Bo) and phi(I, p*, Bo)"},
-                     {"bagnold", "mu_phi"});
+                      "mu(I, p*, Bo) and phi(I, p*, Bo); \"phi\": the sections of phi only, from "
+                      "which no flow follows; \"phi_of_contact_friction\": phi at any mu_p"},
+                     {"bagnold", "mu_phi", "phi", "phi_of_contact_friction"});
   if (section.applies(closure == "bagnold")) table.law = read_bagnold(section);
   if (section.applies(closure == "mu_phi")) table.law = read_mu_phi(in);
+  table.has_friction = closure == "bagnold" || closure == "mu_phi";
+  if (closure == "phi") {  // listed with mu_phi
+    MuPhi law;
+    read_phi(in, law);
+    table.law = law;
+  }
+  if (section.applies(closure == "phi_of_contact_friction"))
+    table.law = read_phi_of_contact_friction(in, table.contact_friction);
 }
 
 void read_base(InputFile& in, RheologyTable& table) {
@@ -232,7 +269,7 @@ RheologyTable read(InputFile in) {
   RheologyTable table = read_keys(in);
   in.finish();
   try {
-    validate(table);
+    validate_coefficients(table);
   } catch (const TableError& error) {
     const std::string_view text = error.what();
     const bool covariance = text.find("covariance") != std::string_view::npos;
@@ -253,7 +290,7 @@ RheologyTable parse_table(const std::string& text, const std::filesystem::path& 
 }
 
 void write_table(const RheologyTable& table, const std::filesystem::path& path) {
-  validate(table);
+  validate_coefficients(table);
   const std::string text = to_toml(table);
   parse_table(text, path);  // what cannot be read back is not written
   safe_write(path, text);

@@ -103,10 +103,18 @@ void write_volume_fraction(TomlText& out, const MuPhi& law) {
   }
 }
 
-void write_law(TomlText& out, const MuPhi& law) {
+void write_law(TomlText& out, const GeneralisedBagnold& law, bool) {
+  write_law(out, law);
+}
+
+void write_law(TomlText& out, const MuPhi& law, bool has_friction) {
   out.section("law");
-  out.line("closure", in_quotes("mu_phi"), "mu(I, p*, Bo) and phi(I, p*, Bo)");
-  write_friction(out, law);
+  if (has_friction) {
+    out.line("closure", in_quotes("mu_phi"), "mu(I, p*, Bo) and phi(I, p*, Bo)");
+    write_friction(out, law);
+  } else {
+    out.line("closure", in_quotes("phi"), "phi(I, p*, Bo) only: no flow follows");
+  }
   write_volume_fraction(out, law);
 }
 
@@ -152,7 +160,7 @@ std::string to_toml(const RheologyTable& table) {
   TomlText out("# Rheology table of grainlaw. Sections and keys: docs/formats.md.\n");
   out.line("units", in_quotes(table.units));
   out.line("contact_friction", table.contact_friction, "mu_p");
-  std::visit([&](const auto& law) { write_law(out, law); }, table.law);
+  std::visit([&](const auto& law) { write_law(out, law, table.has_friction); }, table.law);
   if (table.base) {
     out.section("base");
     out.line("no_slip_height", table.base->no_slip_height, "grain diameters");

@@ -1,0 +1,254 @@
+#include "apps/predict_flow.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "apps/io/homogeneous_csv.h"
+#include "apps/io/profile_csv.h"
+#include "apps/io/safe_write.h"
+#include "apps/io/split_bottom_csv.h"
+#include "apps/summary.h"
+#include "apps/trust.h"
+
+namespace grainlaw {
+namespace {
+
+namespace fs = std::filesystem;
+namespace is = io::dimension;
+using continuum::ShearBand;
+using continuum::ShearBandCase;
+using continuum::SplitBottom;
+
+/// Adds numbers in the units of the file.
+struct Lines {
+  Summary& summary;
+  const io::Units& units;
+
+  void add(const char* key, const char* label, double value, io::Dimension dimension) const {
+    summary.add(key, label, value * units.size(dimension), units.symbol(dimension));
+  }
+  void add(const char* key,
+           const char* label,
+           double value,
+           double error,
+           io::Dimension dimension) const {
+    const double size = units.size(dimension);
+    summary.add_estimate(key, label, value * size, error * size, units.symbol(dimension));
+  }
+};
+
+std::string kind_of(const io::CaseFile& file) {
+  if (file.split_bottom) return "split-bottom cell (geometry)";
+  if (file.simple_shear) return "homogeneous shear (the law itself)";
+  constexpr const char* kinds[] = {"plane shear", "body-force box", "annular shear"};
+  return kinds[file.band->flow.index()];
+}
+
+bool nonlocal(const ShearBandCase& band) {
+  return band.nonlocal_amplitude.value_or(0.0) > 0.0;
+}
+
+const continuum::GrainProperties* grains_of(const io::CaseFile& file) {
+  if (file.band) return &file.band->grains;
+  return file.split_bottom ? &file.split_bottom->grains : nullptr;
+}
+
+/// What a prediction will use and leave out.
+Summary check(const io::CaseFile& file, const continuum::RheologyTable& table) {
+  Summary summary;
+  std::vector<std::string> left_out{"time loop: the steady state is asked"};
+  const auto leave_out = [&](bool absent, const char* what) {
+    if (absent) left_out.emplace_back(what);
+  };
+  if (const auto* grains = grains_of(file)) {
+    leave_out(!grains->stiffness, "softness: rigid grains");
+    leave_out(!grains->adhesion, "cohesion: no adhesion given");
+  }
+  leave_out(!table.covariance, "error band: the table states no errors");
+  leave_out(!table.has_friction, "friction: the table has phi only");
+  leave_out(file.band && !nonlocal(*file.band), "nonlocal fluidity: no [nonlocal] amplitude");
+  summary.add("case", "case", file.name);
+  summary.add("flow", "flow", kind_of(file));
+  summary.add("coefficients", "coefficients", continuum::coefficient_names(table));
+  summary.add("leaves_out", "leaves out", left_out);
+  summary.add("run_time", "run time", std::string("below 0.1 s"));
+  return summary;
+}
+
+void say_answer(Summary& summary, const continuum::Answer& answer) {
+  summary.add("outcome", "answer", std::string(name(answer.outcome)));
+  summary.add("text", "  in words", answer.text);
+}
+
+/// The local law has no length but the gradient of the stress: its width is no prediction.
+void say_collapse(Summary& summary, const ShearBand& band) {
+  summary.add("local_band_collapse", "LOCAL_BAND_COLLAPSE", band.local_band_collapse);
+  if (band.local_band_collapse)
+    summary.add("collapse_text",
+                "  in words",
+                fmt::format("the local law yields over less than {} d; grains flow over 5 to 10 d "
+                            "there: give [nonlocal] amplitude",
+                            continuum::thinnest_credible_band));
+}
+
+void say_band(Summary& summary, const ShearBand& band, const io::CaseFile& file) {
+  const Lines lines{summary, file.units};
+  const bool box = std::holds_alternative<continuum::BodyForceBox>(file.band->flow);
+  const bool stress_sought = band.sought == ShearBand::Sought::stress;
+  lines.add("driving_stress",
+            box ? "largest shear stress" : "stress on the wall",
+            band.driving_stress,
+            stress_sought ? band.error : 0.0,
+            is::stress);
+  lines.add("driving_velocity",
+            box ? "largest velocity" : "velocity of the wall",
+            band.driving_velocity,
+            stress_sought ? 0.0 : band.error,
+            is::velocity);
+  lines.add("yielded_width", "tau above yield over", band.yielded_width, is::length);
+  lines.add("band_width", "90 % of velocity over", band.band_width, is::length);
+  say_collapse(summary, band);
+  lines.add("height", "extent", band.profile.height, is::length);
+  summary.add("cells", "cells", static_cast<long>(band.cells));
+  summary.add("discretisation_error", "  relative error", band.discretisation_error);
+  summary.add("wall_seconds", "wall time", band.wall_seconds, "s");
+}
+
+void write(const std::string& output, const std::string& text, Summary& summary) {
+  io::safe_write(output, text);
+  summary.add("output", "profile", output);
+}
+
+[[noreturn]] void no_answer(const continuum::Answer& answer) {
+  throw NoAnswer(std::string(name(answer.outcome)) + ": " + answer.text);
+}
+
+bool as_json(const std::string& output) {
+  return fs::path(output).extension() == ".json";
+}
+
+ExitCode predict_band(const io::CaseFile& file,
+                      const continuum::RheologyTable& table,
+                      const std::string& output,
+                      const CommonOptions& options) {
+  ShearBand band = continuum::shear_band(table, *file.band);
+  continuum::add_error(band, table, *file.band);
+  Summary summary;
+  say_answer(summary, band.answer);
+  if (flows(band.answer.outcome)) say_band(summary, band, file);
+  summary.add("trust", "trust", trust(band.answer, table));
+  if (!output.empty() && !band.profile.rows.empty()) {
+    const bool annular = std::holds_alternative<continuum::AnnularShear>(file.band->flow);
+    const bool box = std::holds_alternative<continuum::BodyForceBox>(file.band->flow);
+    const char* coordinate = annular ? "r" : box ? "y" : "z";
+    write(output,
+          as_json(output) ? io::profile_json(band.profile, band.answer, file.units, coordinate)
+                          : io::profile_csv(band.profile, band.answer, file.units, coordinate),
+          summary);
+  }
+  print(summary, options);
+  if (!flows(band.answer.outcome)) no_answer(band.answer);
+  return ExitCode::answered;
+}
+
+/// Where the error function of the surface has a tenth and nine tenths of the rotation rate.
+void say_spread(const Lines& lines, const SplitBottom& cell) {
+  constexpr double decile = 0.9061938024;  // erf = 0.8
+  const double half = decile * cell.surface_width;
+  lines.add("tenth_radius", "  10 % of Omega at", cell.path_radius - half, is::length);
+  lines.add("nine_tenths_radius", "  90 % of Omega at", cell.path_radius + half, is::length);
+}
+
+ExitCode predict_split_bottom(const io::CaseFile& file,
+                              const continuum::RheologyTable& table,
+                              const std::string& output,
+                              const CommonOptions& options) {
+  const SplitBottom cell = continuum::split_bottom(table, *file.split_bottom);
+  Summary summary;
+  say_answer(summary, cell.answer);
+  const Lines lines{summary, file.units};
+  if (!cell.rows.empty()) {
+    const auto& middle = cell.rows[cell.rows.size() / 2];
+    lines.add("path_radius", "R_c at the surface, path", cell.path_radius, is::length);
+    lines.add("torque", "torque", cell.torque, is::energy);
+    summary.add("inertial_number", "I at half depth", middle.inertial_number);
+    summary.add("friction", "mu at half depth", middle.friction);
+  }
+  lines.add("measured_radius", "R_c, experiments", cell.measured_radius, is::length);
+  lines.add("surface_width", "W at the surface", cell.surface_width, is::length);
+  if (!cell.rows.empty()) say_spread(lines, cell);
+  summary.add("trust", "trust", trust(cell.answer, table, false));
+  if (!output.empty() && !cell.rows.empty())
+    write(output,
+          as_json(output) ? io::split_bottom_json(cell, file.units)
+                          : io::split_bottom_csv(cell, file.units),
+          summary);
+  print(summary, options);
+  if (cell.rows.empty()) no_answer(cell.answer);
+  return ExitCode::answered;
+}
+
+/// One line per point; a table of many goes to the output.
+void say_states(Summary& summary, const std::vector<continuum::HomogeneousState>& states) {
+  constexpr std::size_t most = 24;
+  const auto text = [](const std::optional<double>& value) {
+    return value ? fmt::format("{:.5g}", *value) : std::string("none");
+  };
+  for (std::size_t i = 0; i < std::min(states.size(), most); ++i) {
+    const auto& s = states[i];
+    const std::string at =
+        fmt::format("I {:.4g}, p* {:.4g}, Bo {:.4g}", s.inertial_number, s.softness, s.bond_number);
+    summary.add(fmt::format("state_{}", i + 1),
+                at,
+                fmt::format("mu {}, phi {}{}",
+                            text(s.friction),
+                            text(s.volume_fraction),
+                            s.in_range ? "" : "  OUT_OF_DOMAIN"));
+  }
+  if (states.size() > most)
+    summary.add("more", "more", fmt::format("{} points: give -o", states.size() - most));
+}
+
+ExitCode predict_simple_shear(const io::CaseFile& file,
+                              const continuum::RheologyTable& table,
+                              const std::string& output,
+                              const CommonOptions& options) {
+  const auto& shear = *file.simple_shear;
+  const auto states = continuum::homogeneous_shear(
+      table, shear.inertial_numbers, shear.softnesses, shear.bond_numbers);
+  Summary summary;
+  say_states(summary, states);
+  const long outside = std::ranges::count(states, false, &continuum::HomogeneousState::in_range);
+  summary.add("outside", "points outside", outside);
+  summary.add("trust",
+              "trust",
+              fmt::format("{} of {} points outside the range of the data{}",
+                          outside,
+                          states.size(),
+                          checks_text(table)));
+  if (!output.empty())
+    write(output,
+          as_json(output) ? io::homogeneous_json(states) : io::homogeneous_csv(states),
+          summary);
+  print(summary, options);
+  return ExitCode::answered;
+}
+
+}  // namespace
+
+ExitCode predict_flow(const io::CaseFile& file,
+                      const continuum::RheologyTable& table,
+                      const std::string& output,
+                      const CommonOptions& options) {
+  if (options.check) {
+    print(check(file, table), options);
+    return ExitCode::answered;
+  }
+  if (file.band) return predict_band(file, table, output, options);
+  if (file.split_bottom) return predict_split_bottom(file, table, output, options);
+  return predict_simple_shear(file, table, output, options);
+}
+
+}  // namespace grainlaw

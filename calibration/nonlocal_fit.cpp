@@ -1,0 +1,109 @@
+#include "calibration/nonlocal_fit.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+
+#include "calibration/least_squares.h"
+
+namespace grainlaw::calibration {
+namespace {
+
+using continuum::ProfileRow;
+
+constexpr double start_amplitude = 0.5;  // glass beads: 0.48 (Henann & Kamrin 2013)
+/// Rows of the model: linear interpolation between them is good to 1e-4 of the velocity.
+constexpr int model_rows = 801;
+
+double interpolated(const std::vector<ProfileRow>& rows, double position) {
+  const auto above = std::ranges::lower_bound(rows, position, {}, &ProfileRow::z);
+  if (above == rows.begin()) return above->velocity;
+  if (above == rows.end()) return rows.back().velocity;
+  const ProfileRow& below = *(above - 1);
+  const double share = (position - below.z) / (above->z - below.z);
+  return below.velocity + share * (above->velocity - below.velocity);
+}
+
+/// Velocities at the points for an amplitude; not a number where nothing flows.
+class Model {
+ public:
+  Model(const continuum::RheologyTable& table,
+        const continuum::ShearBandCase& band,
+        const std::vector<BandPoint>& points)
+      : table_(table), band_(band), points_(points) {}
+
+  void residuals(double amplitude, std::span<double> r) const {
+    continuum::ShearBandCase at = band_;
+    at.nonlocal_amplitude = std::abs(amplitude);  // only A^2 enters
+    const auto found =
+        continuum::shear_band(table_, at, {.cells = 800, .most_cells = 800, .rows = model_rows});
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      const double velocity = flows(found.answer.outcome)
+                                  ? interpolated(found.profile.rows, points_[i].position)
+                                  : std::numeric_limits<double>::quiet_NaN();
+      r[i] = (velocity - points_[i].velocity) / points_[i].error;
+    }
+  }
+
+  /// Central differences; the model is smooth in A down to rounding of 1e-10.
+  void slopes(double amplitude, std::span<double> jacobian) const {
+    constexpr double step = 1e-4;
+    std::vector<double> low(jacobian.size());
+    residuals(amplitude + step, jacobian);
+    residuals(amplitude - step, low);
+    for (std::size_t i = 0; i < low.size(); ++i)
+      jacobian[i] = (jacobian[i] - low[i]) / (2.0 * step);
+  }
+
+ private:
+  const continuum::RheologyTable& table_;
+  const continuum::ShearBandCase& band_;
+  const std::vector<BandPoint>& points_;
+};
+
+void check(const std::vector<BandPoint>& points) {
+  if (points.size() < 4) throw FitError("fewer than 4 points of velocity do not fix a band");
+  for (const BandPoint& point : points)
+    if (!(std::isfinite(point.velocity) && std::isfinite(point.position) && point.error > 0.0))
+      throw FitError("a point of the band is not finite or has no standard error");
+}
+
+double sum_of_squares(const std::vector<double>& residuals) {
+  double sum = 0.0;
+  for (const double r : residuals) sum += r * r;
+  return sum;
+}
+
+}  // namespace
+
+NonlocalFit fit_nonlocal_amplitude(const continuum::RheologyTable& table,
+                                   const continuum::ShearBandCase& band,
+                                   const std::vector<BandPoint>& points) {
+  const auto start = std::chrono::steady_clock::now();
+  check(points);
+  const Model model(table, band, points);
+  const LeastSquaresProblem problem{
+      .unknowns = {{"A", start_amplitude, 0.0}},
+      .residuals = static_cast<int>(points.size()),
+      .evaluate = [&](std::span<const double> x, std::span<double> r, std::span<double> jacobian) {
+        model.residuals(x[0], r);
+        if (!jacobian.empty()) model.slopes(x[0], jacobian);
+      }};
+  const Minimum minimum = minimise(problem);
+  require_converged(minimum, "the nonlocal amplitude A");
+  NonlocalFit fit;
+  fit.summary = describe({"A"}, minimum, uncertainty(problem, minimum));
+  fit.amplitude = std::abs(minimum.values[0]);
+  fit.error = fit.summary["A"].error;
+  std::vector<double> local(points.size());
+  model.residuals(0.0, local);
+  fit.local_chi_squared = sum_of_squares(local);
+  fit.summary.notes.emplace_back(
+      "points taken as independent; errors of mu(I) and phi(I) are not in the error of A");
+  fit.summary.wall_seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return fit;
+}
+
+}  // namespace grainlaw::calibration
