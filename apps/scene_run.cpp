@@ -45,6 +45,32 @@ double step_seconds(const dem::Scene& scene) {
   return dem::measure_step_seconds(part) * chute->grains / shorter.grains;
 }
 
+/// A few lines on the contacts of the narrowest and of the widest definition.
+void add_lifetimes(const dem::LifetimeStatistics& lifetimes, Summary& summary) {
+  constexpr std::size_t level = 1;  // P = 0.1
+  if (lifetimes.distances.empty()) return;
+  const dem::LifetimeDistribution& narrow = lifetimes.distances.front();
+  summary.add("contacts", "contacts followed", narrow.contacts);
+  const auto add = [&](const char* key, const char* label, dem::Estimate x, const char* unit) {
+    summary.add_estimate(key, label, x.value, x.error, unit);
+  };
+  add("mean_lifetime", "  mean lifetime", narrow.mean, "sqrt(d/g)");
+  add("collision_rate", "  collisions per grain", narrow.collision_rate, "sqrt(g/d)");
+  add("long_lifetime", "  long lifetime, scaled", narrow.long_lifetime[level], "/ shear rate");
+  add("long_shear", "  shear stress of long ones", narrow.long_shear, "of the contact stress");
+  for (const dem::LifetimeDistribution& contacts : lifetimes.distances) {
+    if (contacts.tail_sampled(level)) continue;
+    summary.add("lifetime_warning",
+                "warning",
+                fmt::format("only {:.0f} contacts (d_c = {:.4g} d) outlive the long lifetime, "
+                            "below {:.0f} it is a guess; a longer averaging_time would help",
+                            contacts.beyond[level],
+                            contacts.distance,
+                            dem::LifetimeDistribution::enough_beyond));
+    break;
+  }
+}
+
 }  // namespace
 
 Summary check_scene(const io::SceneFile& file) {
@@ -122,6 +148,7 @@ Summary describe(const dem::LocalData& data) {
     add("inertial_number", "  inertial number I", middle.inertial_number, "");
     summary.add("effective_samples", "  independent samples", middle.effective_samples);
   }
+  if (data.lifetimes) add_lifetimes(*data.lifetimes, summary);
   if (const auto few = few_samples(data)) {
     summary.add("few_samples",
                 "warning",

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "dem/binary_collision.h"
+#include "dem/contact_lifetimes.h"
 #include "dem/flow_record.h"
 #include "dem/flow_setup.h"
 #include "dem/packing.h"
@@ -53,8 +55,10 @@ class FlowRun {
       : scene_(scene),
         options_(options),
         start_(start(scene, law, options)),
+        law_(law),
         simulation_(law, setup(scene, start_, options), start_),
         record_(scene, start_.box) {
+    if (scene.lifetimes) lifetimes_.emplace(scene);
     const double speed = scene.grains.diameter / unit_time(scene);
     record_.summary().restitution =
         mean_restitution(ContactLaw{law.normal, Cohesionless{}, Frictionless{}},
@@ -64,6 +68,7 @@ class FlowRun {
     if (!goes_on(options)) return;
     simulation_.restore(*options.resume);
     record_.restore(*options.resume);
+    if (lifetimes_) lifetimes_->restore(*options.resume);
   }
 
   LocalData run() {
@@ -79,7 +84,10 @@ class FlowRun {
       const bool due = since_save_.seconds() >= options_.checkpoint_interval;
       if (options_.save && !done && (due || asked_to_stop)) save();
     }
-    return record_.finish(simulation_, simulation_.ledger(), simulation_.mechanical_energy());
+    LocalData data =
+        record_.finish(simulation_, simulation_.ledger(), simulation_.mechanical_energy());
+    if (lifetimes_) data.lifetimes = lifetimes_->finish(data);
+    return data;
   }
 
  private:
@@ -104,15 +112,27 @@ class FlowRun {
   void add_frame() {
     const double begin = simulation_.time();
     for (long sample = 0; sample < record_.samples_per_frame(); ++sample) {
-      for (long k = 1; k < record_.steps_per_sample(); ++k) simulation_.step();
+      for (long k = 1; k < record_.steps_per_sample(); ++k) {
+        simulation_.step();
+        if (lifetimes_) lifetimes_->follow(simulation_);
+      }
       contacts_.clear();
       simulation_.step(
           [&](std::uint32_t i, std::uint32_t j, const Vec3& branch, const Vec3& force) {
             contacts_.push_back({i, j, branch, force});
           });
       record_.sample(simulation_, contacts_);
+      if (lifetimes_) sample_lifetimes();
     }
     record_.close_frame(begin, simulation_);
+    if (lifetimes_) lifetimes_->end_frame(simulation_.time());
+  }
+
+  void sample_lifetimes() {
+    lifetimes_->follow(simulation_);
+    lifetimes_->sample(simulation_, contacts_, [&](const ContactSample& contact) {
+      return slips(law_, simulation_.particles(), contact);
+    });
   }
 
   /// False: the observer wants the run to stop.
@@ -133,6 +153,7 @@ class FlowRun {
     Checkpoint checkpoint;
     simulation_.save(checkpoint);
     record_.save(checkpoint);
+    if (lifetimes_) lifetimes_->save(checkpoint);
     options_.save(checkpoint);
     since_save_ = {};
   }
@@ -143,8 +164,10 @@ class FlowRun {
   Stopwatch since_save_;
   bool go_on_ = true;
   InitialState start_;
+  Law law_;
   Simulation<Law> simulation_;
   FlowRecord record_;
+  std::optional<ContactLifetimes> lifetimes_;
   std::vector<ContactSample> contacts_;
 };
 template <class Law>

@@ -1,10 +1,12 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "dem/estimate.h"
+#include "dem/lifetime_statistics.h"
 #include "dem/profile_frames.h"
 
 namespace grainlaw::dem {
@@ -78,6 +80,7 @@ struct LocalData {
   std::vector<LocalRow> rows;  ///< bottom to top; empty bins above the surface are left out
   ProfileFrames frames;        ///< the whole run including the start, from which rows were averaged
   RunSummary summary;
+  std::optional<LifetimeStatistics> lifetimes{};  ///< of contacts, where the scene asks for them
 };
 
 /// Averages the frames inside the window into rows (field definitions in LocalRow).

@@ -11,25 +11,43 @@
 
 namespace grainlaw::dem {
 
+/// How far the centres of some pairs are apart.
+struct Separations {
+  Pack distance2;   ///< [length^2]
+  Pack radius_sum;  ///< [length]
+
+  /// Bits of the pairs whose surfaces are closer than `gap`.
+  std::uint32_t closer_than(double gap) const {
+    const Pack near = radius_sum + gap;
+    return bits(distance2 < near * near);
+  }
+};
+
+/// Of the pairs k to k + pack_width; `shifts` are those of the images.
+[[gnu::always_inline]] inline Separations separations(const ImageShift* shifts,
+                                                      const GrainState* state,
+                                                      const std::uint32_t* first,
+                                                      const Partner* partner) {
+  alignas(32) static constexpr double sign[4] = {-1, -1, -1, 1};
+  const Row4 minus = load_row4(sign);
+  Row4 rows[pack_width];
+  for (std::size_t k = 0; k < pack_width; ++k) {
+    const Row4 there = load_row4(&state[partner[k].grain()].position.x) +
+                       load_row4(&shifts[partner[k].image()].position.x);
+    rows[k] = load_row4(&state[first[k]].position.x) + minus * there;
+  }
+  Pack column[4];
+  columns_of(rows, column);
+  return {square(Vector3<Pack>{column[0], column[1], column[2]}), column[3]};
+}
+
 /// Bits of the pairs k to k + pack_width whose surfaces are closer than `gap`.
 [[gnu::always_inline]] inline std::uint32_t closer_than(double gap,
                                                         const ContactSetting& setting,
                                                         const GrainState* state,
                                                         const std::uint32_t* first,
                                                         const Partner* partner) {
-  alignas(32) static constexpr double sign[4] = {-1, -1, -1, 1};
-  const Row4 minus = load_row4(sign);
-  Row4 rows[pack_width];
-  for (std::size_t k = 0; k < pack_width; ++k) {
-    const Row4 there = load_row4(&state[partner[k].grain()].position.x) +
-                       load_row4(&setting.shifts[partner[k].image()].position.x);
-    rows[k] = load_row4(&state[first[k]].position.x) + minus * there;
-  }
-  Pack column[4];
-  columns_of(rows, column);
-  const Pack near = column[3] + gap;
-  const Pack distance2 = square(Vector3<Pack>{column[0], column[1], column[2]});
-  return bits(distance2 < near * near);
+  return separations(setting.shifts.data(), state, first, partner).closer_than(gap);
 }
 
 /// 2 R_i R_j / (R_i + R_j), or 2 R_i at a wall (R_j = 0) [length].

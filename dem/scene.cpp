@@ -257,6 +257,7 @@ void validate(const Scene& scene) {
   check_bins(scene);
   check_times(scene.measurement, time_step(scene));
   check_number_of_steps(scene);
+  check_lifetimes(scene);
 }
 
 FastestMode fastest_mode(const Scene& scene) {

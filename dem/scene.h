@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <numbers>
 #include <optional>
 #include <stdexcept>
@@ -158,6 +159,16 @@ struct Measurement {
   double time_limit = 1000.0;     ///< the run ends here even if it is not steady [time]
 };
 
+/// Which contacts are followed from their begin to their end (Brewster et al. 2008, section IV).
+struct Lifetimes {
+  /// Two grains are in contact while their centres are closer than d_c, here in mean diameters;
+  /// for grains of other sizes the gap counts, (x - 1) d.
+  std::vector<double> contact_distances{1.0, 1.001, 1.01, 1.02};
+  bool effective_distance = false;           ///< d_eff of eq. 12 there as well (GaussianWell)
+  std::optional<double> slice_centre{};      ///< z [length]; absent: half the nominal depth
+  std::optional<double> slice_half_width{};  ///< [length]; absent: a tenth of it
+};
+
 /// Everything that shapes a DEM run. Plain values; valid after validate().
 struct Scene {
   std::string name;  ///< of the run, for messages and reports
@@ -170,9 +181,10 @@ struct Scene {
   std::vector<StartGrain> start;             ///< empty: a packing made for the geometry
   std::vector<StartVelocity> start_profile;  ///< of a chute, upwards; empty: starts from rest
   Measurement measurement;
-  double time_step = 0.0;            ///< [time]; 0: shortest contact time / 50
-  bool allow_unstable_step = false;  ///< accept a step above shortest contact time / 15
-  double max_overlap = 0.3;          ///< stop when an overlap exceeds this fraction of the radius
+  std::optional<Lifetimes> lifetimes{};  ///< absent: contacts are not followed
+  double time_step = 0.0;                ///< [time]; 0: shortest contact time / 50
+  bool allow_unstable_step = false;      ///< accept a step above shortest contact time / 15
+  double max_overlap = 0.3;  ///< stop when an overlap exceeds this fraction of the radius
   std::uint64_t seed = 1;
 };
 
@@ -203,6 +215,8 @@ inline constexpr double least_bin_width = 0.1;              ///< [d]
 inline constexpr double least_bins = 3.0;  ///< of the nominal depth: a bin and both neighbours,
                                            ///< from which its shear rate is taken
 inline constexpr double steps = 1e12;      ///< of a run: years on one thread
+inline constexpr Interval contact_distance{1.0, 1.05};  ///< [d]; wider, pairs at rest never part
+inline constexpr std::size_t contact_distances = 8;     ///< in one run, at most
 }  // namespace limits
 
 /// A scene that contradicts itself; the message says what, which value, which bound and the remedy.
@@ -261,6 +275,18 @@ double start_height(const Grains& grains, const BodyForceBox& box);
 
 /// Gap up to which a pair of grains attracts; 0 without cohesion [length].
 double attraction_range(const Scene& scene);
+
+/// Gaps below which pairs are followed as contacts, ascending [length].
+std::vector<double> contact_gaps(const Scene& scene);
+
+/// Heights between which a contact has to begin to be followed.
+struct Slice {
+  double begin = -std::numeric_limits<double>::infinity();  ///< z [length]
+  double end = std::numeric_limits<double>::infinity();     ///< [length]
+
+  bool contains(double z) const { return z >= begin && z < end; }
+};
+Slice lifetime_slice(const Scene& scene);
 
 /// Mean flowing mass per unit area of the base [mass/length^2].
 double mass_per_area(const Grains& grains, const Chute& chute);

@@ -22,6 +22,7 @@ void require_not_negative(double value, const Place& at, std::string_view what);
 void check_laws(const Scene& scene);
 void check_geometry(const Scene& scene);
 void check_start(const Scene& scene);
+void check_lifetimes(const Scene& scene);
 
 /// The shortest half period of an undamped pair of the smallest grains, and its spring.
 struct FastestMode {

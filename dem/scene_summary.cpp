@@ -245,6 +245,10 @@ SceneSummary summarise(const Scene& scene) {
     summary.used.push_back(
         fmt::format("start: {} grains as given, no packing made", scene.start.size()));
   }
+  if (scene.lifetimes) {
+    summary.used.push_back(
+        fmt::format("contact lifetimes for {} contact distances", contact_gaps(scene).size()));
+  }
   const double step = time_step(scene);
   const double shortest = shortest_contact_time(scene);
   summary.used.push_back(fmt::format("time step {:.4g}, {:.1f} per shortest contact time ({:.4g})",

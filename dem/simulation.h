@@ -68,6 +68,8 @@ class SimulationBase {
   const std::vector<Strip>& strips() const { return strips_; }
   const PairMemory& memory() const { return memory_; }
   long rebuilds() const { return rebuilds_; }
+  /// How far two surfaces may have approached since then, at most [length].
+  double closed_since_rebuild() const { return closed_since_rebuild_; }
   /// Velocity and R omega of mobile grain i at the time of its position [length/time].
   Vec3 velocity(std::size_t i) const { return dem::velocity(particles_, i, setup_.dynamics); }
   Vec3 spin(std::size_t i) const { return dem::spin(particles_, i, setup_.dynamics); }

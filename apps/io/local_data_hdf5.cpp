@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "apps/io/hdf5_file.h"
+#include "apps/io/lifetimes_hdf5.h"
 #include "apps/io/safe_write.h"
 #include "apps/io/sealed_file.h"
 
@@ -292,6 +293,7 @@ void write_data(Hdf5Writer& out, const LocalData& data) {
   out.attribute("summary", "steps", std::int64_t{data.summary.steps});
   out.attribute("summary", "flowing_grains", std::int64_t{data.summary.flowing_grains});
   out.attribute("summary", "base_grains", std::int64_t{data.summary.base_grains});
+  if (data.lifetimes) write_lifetimes(out, *data.lifetimes);
 }
 
 void read_data(const Hdf5Reader& in, LocalData& data) {
@@ -307,6 +309,7 @@ void read_data(const Hdf5Reader& in, LocalData& data) {
   data.summary.steps = static_cast<long>(in.integer("summary", "steps"));
   data.summary.flowing_grains = static_cast<int>(in.integer("summary", "flowing_grains"));
   data.summary.base_grains = static_cast<int>(in.integer("summary", "base_grains"));
+  if (has_lifetimes(in)) data.lifetimes = read_lifetimes(in);
 }
 
 void write_run(Hdf5Writer& out, const RunRecord& record) {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "apps/io/scene_laws.h"
+#include "apps/io/scene_lifetimes.h"
 #include "apps/io/start_csv.h"
 
 namespace grainlaw::io {
@@ -122,6 +123,7 @@ Keys read_keys(InputFile& in) {
   keys.units = flow.units;
   read_laws(in, keys.units, keys.scene);
   keys.scene.measurement = read_measurement(in, keys.units, keys.scene.geometry);
+  keys.scene.lifetimes = read_lifetime_keys(in, keys.units);
   read_time(in, keys.units, keys.scene);
   return keys;
 }

@@ -75,6 +75,22 @@ TEST(SceneInput, AMissingSectionIsAMissingMechanism) {
   EXPECT_TRUE(std::holds_alternative<dem::Frictionless>(scene_of(scene_text()).friction));
 }
 
+TEST(SceneInput, ContactsAreFollowedOnlyWhereTheSceneAsksForIt) {
+  EXPECT_FALSE(scene_of(scene_text()).lifetimes.has_value());
+  const std::string section = "[lifetimes]\n";
+  const auto plain = scene_of(scene_text("restitution = 0.88", section)).lifetimes;
+  ASSERT_TRUE(plain.has_value());
+  EXPECT_EQ(plain->contact_distances, (std::vector<double>{1.0, 1.001, 1.01, 1.02}));
+  EXPECT_FALSE(plain->slice_centre.has_value());
+  const auto read = [&](const std::string& keys) {
+    return scene_of(scene_text("restitution = 0.88", section + keys)).lifetimes;
+  };
+  EXPECT_EQ(read("contact_distances = [1.003]")->contact_distances, std::vector<double>{1.003});
+  EXPECT_EQ(read("slice_centre = 2.5\nslice_half_width = 0.5")->slice_half_width, 0.5);
+  EXPECT_THROW(read("contact_distances = [1.2]"), InputError);
+  EXPECT_THROW(read("effective_distance = true"), InputError);  // there is no well
+}
+
 TEST(SceneInput, TheSameSceneInSiIsTheSameScene) {
   // 1 mm grains of 2500 kg/m3: m = 1.309e-6 kg, sqrt(d/g) = 1.0096e-2 s, m g/d = 1.2842e-2 N/m.
   const double d = 1e-3;
