@@ -56,7 +56,7 @@ void add_lifetimes(const dem::LifetimeStatistics& lifetimes, Summary& summary) {
   };
   add("mean_lifetime", "  mean lifetime", narrow.mean, "sqrt(d/g)");
   add("collision_rate", "  collisions per grain", narrow.collision_rate, "sqrt(g/d)");
-  add("long_lifetime", "  long lifetime, scaled", narrow.long_lifetime[level], "/ shear rate");
+  add("long_lifetime", "  long lifetime x shear rate", narrow.long_lifetime[level], "");
   add("long_shear", "  shear stress of long ones", narrow.long_shear, "of the contact stress");
   for (const dem::LifetimeDistribution& contacts : lifetimes.distances) {
     if (contacts.tail_sampled(level)) continue;
