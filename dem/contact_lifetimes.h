@@ -85,6 +85,9 @@ class ContactLifetimes {
   void compare(const SimulationBase& simulation, std::size_t pack);
   void change(const SimulationBase& simulation, std::size_t pair, std::size_t kind, bool begins);
   void add_sample(std::size_t pair, const ContactSample& contact, bool touches, bool slides);
+  LifetimeBlock new_block(double begin) const {
+    return {.begin = begin, .distances = std::vector<LifetimeTally>(kinds())};
+  }
   void end_block(double time);
   void book_unfinished_loads();
   double shear_rate(const LocalData& data) const;
