@@ -1,8 +1,7 @@
 #!/usr/bin/env bash
 # Builds and tests on a fresh Debian 12 machine.
 #   ./test.sh         release build, all fast tests
-#   ./test.sh --ci    the same, address + undefined-behaviour sanitizers over all but the DEM engine,
-#                     install + find_package
+#   ./test.sh --ci    the same, address + undefined-behaviour sanitizers, install + find_package
 #   ./test.sh --all   the same as --ci, clang, thread sanitizer, clang-tidy and slow validation
 set -euo pipefail
 cd "$(dirname "$0")"
