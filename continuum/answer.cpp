@@ -10,6 +10,8 @@ std::string_view name(Outcome outcome) {
       return "PLUG";
     case Outcome::arrested:
       return "ARRESTED";
+    case Outcome::started:
+      return "START";
     case Outcome::accelerating:
       return "ACCELERATING";
     case Outcome::no_steady:

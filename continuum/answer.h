@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -11,7 +12,8 @@ namespace grainlaw::continuum {
 enum class Outcome {
   steady,          ///< steady flow, residual met
   plug,            ///< steady flow under an unsheared plug
-  arrested,        ///< no motion: the yield stress holds the layer (or stopped it)
+  arrested,        ///< no motion: the yield stress holds the layer, or stopped it at Answer::time
+  started,         ///< at rest until Answer::time, flowing since, not steady when the run ended
   accelerating,    ///< still gaining speed when the time ran out, no steady state ahead
   no_steady,       ///< the drive exceeds the largest friction: no steady flow exists
   no_dense_state,  ///< steady friction exists only beyond I_phi, where phi would vanish
@@ -39,6 +41,7 @@ struct RangeFlag {
 struct Answer {
   Outcome outcome = Outcome::not_converged;
   std::string text{};  ///< one sentence for a person, with the numbers that decide
+  std::optional<double> time{};  ///< of ARRESTED and START in a time-dependent flow [time]
   std::vector<RangeFlag> out_of_domain{};
   /// d ln I / d ln mu at the base: by how many percent the shear rate is off when the friction is
   /// off by one, mu / (mu - mu0) for a linear mu(I), where mu = tan(theta) in a steady flow; 0

@@ -1,7 +1,7 @@
 #pragma once
 
-#include <functional>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include "continuum/answer.h"
@@ -43,15 +43,26 @@ SteadyChute steady_chute(const RheologyTable& table,
 /// no-slip height. Leaves the profile untouched when the table states no errors.
 void add_error_band(SteadyChute& steady, const RheologyTable& table, const ChuteCase& chute);
 
+/// The tilt from some time on.
+struct TiltStep {
+  double time = 0.0;         ///< [time]
+  double inclination = 0.0;  ///< [rad]
+};
+
 struct TransientOptions {
   int cells = 200;
   double grading = 1.5;  ///< faces at M1 (k/N)^grading from the surface
   double relative_tolerance = 1e-6;
-  double absolute_tolerance = 1e-10;  ///< of the scaled shear rate
-  /// delta of tau_y q / sqrt(q^2 + delta^2), where q is I for mu(I) laws and gd sqrt(d/g) else;
-  /// 0: 1e-4 of the steady q at the base. Used only by laws whose yield stress is not proportional
-  /// to depth, and then named in the answer together with the error it causes.
+  double absolute_tolerance = 1e-10;  ///< of the scaled shear rate, or of velocity and stress
+  /// The flow at time 0 is the steady one of this tilt [rad]; absent: the layer is at rest.
+  std::optional<double> inclination_before{};
+  std::vector<TiltStep> tilts{};  ///< tilts that follow the one of the case, in order of time
+  /// > 0: delta of a yield stress tau_y q / sqrt(q^2 + delta^2), where q is I for mu(I) laws and
+  /// gd sqrt(d/g) else, to study its error; 0: yield is exact.
   double yield_regularisation = 0.0;
+  /// Time in which unyielded grains pass on a stress, [time]; 0: 5e-4 of the time the flow takes.
+  /// No steady state depends on it; times of start and arrest do by a few of it.
+  double elastic_time = 0.0;
   double time_limit = 0.0;  ///< [time]; 0: five times the settling time, and at least the last
                             ///< output time
   /// Steady when max |du/dt| <= this times g sin(theta), not before the settling time: relaxation
@@ -66,10 +77,20 @@ struct Snapshot {
   Profile profile;
 };
 
+/// Something that happened at one time.
+struct ChuteEvent {
+  enum class Kind { start, arrest, dense_state_lost };
+  Kind kind = Kind::start;
+  double time = 0.0;  ///< [time]
+};
+
+std::string_view name(ChuteEvent::Kind kind);  ///< START, ARREST, DENSE_STATE_LOST
+
 struct TransientChute {
   Answer answer;                    ///< of the state at the end of the run
   Profile final_profile;            ///< empty where the law has left physics
   std::vector<Snapshot> snapshots;  ///< at the output times that were reached
+  std::vector<ChuteEvent> events;   ///< in order of time
   double end_time = 0.0;            ///< [time]
   /// Estimate made before the run: when a start will be over but for steady_residual; 0 where no
   /// steady flow lies ahead [time]
@@ -77,20 +98,32 @@ struct TransientChute {
   /// Time at which the mean velocity came within 1 % of its final value to stay; absent unless the
   /// run ended steady [time]
   std::optional<double> time_to_steady{};
+  /// Surface velocity of the steady quadrature at the last tilt, which knows nothing of the time
+  /// integration; absent where no steady flow exists.
+  std::optional<double> quadrature_surface_velocity{};
   double residual = 0.0;  ///< max |du/dt| / (g sin(theta)) at the end
   SolverStatistics statistics;
 };
 
-/// Start of the layer from rest, du/dt = g sin(theta) - dtau/dM, by the method of lines: scaled
-/// shear rate at the faces as state, CVODE BDF with banded analytic Jacobian. Rows at the base, the
-/// cell centres and the surface; second order in 1/cells. A layer below repose is ARRESTED at once;
-/// one whose softness takes all friction is NO_STEADY without a profile. Shear rates only rise from
-/// rest (the equation is parabolic and its rate starts positive), so the range flags of the state
-/// at the end tell the highest I and the lowest phi of the whole run.
-/// Throws TableError and std::invalid_argument like steady_chute, and SolverError when CVODE fails;
-/// the message names cell, variable and time.
-TransientChute start_from_rest(const RheologyTable& table,
+/// Time-dependent flow of the layer, du/dt = g sin(theta) - dtau/dM, by the method of lines and CVODE
+/// (BDF, banded analytic Jacobian): the start from rest, or what follows the steady flow of another
+/// tilt. Where part of the layer may rest while another shears, unyielded grains are elastic, so
+/// plug, arrest and rest are exact; else the state is the scaled shear rate. Rows at the base, the
+/// cell centres and the surface; second order in 1/cells without a plug. A layer at rest below repose
+/// is ARRESTED at once; one whose softness takes all friction is NO_STEADY without a profile. From
+/// rest at one tilt shear rates only rise (the equation is parabolic and its rate starts positive),
+/// so the range flags of the state at the end tell the highest I and the lowest phi of the whole run.
+/// A failure of CVODE is NOT_CONVERGED; the text names place, variable and time.
+/// Throws TableError and std::invalid_argument like steady_chute.
+TransientChute transient_chute(const RheologyTable& table,
                                const ChuteCase& chute,
                                const TransientOptions& options = {});
+
+/// The same for a layer that is at rest at time 0.
+inline TransientChute start_from_rest(const RheologyTable& table,
+                                      const ChuteCase& chute,
+                                      const TransientOptions& options = {}) {
+  return transient_chute(table, chute, options);
+}
 
 }  // namespace grainlaw::continuum

@@ -166,8 +166,8 @@ double condition_number(const Layer& layer, double tau) {
 }
 
 bool no_friction_left(const Layer& layer) {
-  const FlowCurve base = layer.curve(layer.mass);
-  return base.linear <= 0.0 && base.quadratic <= 0.0 && base.yield_stress <= 0.0;
+  const auto* law = std::get_if<MuPhi>(&layer.law);
+  return law && softness_factor(*law, confinement(layer.grains, layer.pressure(layer.mass))) <= 0.0;
 }
 
 Verdict steady_verdict(const Layer& layer) {

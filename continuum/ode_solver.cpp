@@ -68,6 +68,9 @@ struct Callback {
     try {
       function();
       return 0;
+    } catch (const StateError&) {
+      error = std::current_exception();
+      return 1;  // the solver may retry with a smaller step
     } catch (...) {
       error = std::current_exception();
       return -1;
@@ -90,7 +93,7 @@ int jacobian(double t,
              N_Vector /*scratch*/) {
   auto& callback = *static_cast<Callback*>(user);
   return callback.guarded([&] {
-    const TridiagonalView view(SUNBandMatrix_Cols(matrix),
+    const BandView view(SUNBandMatrix_Cols(matrix),
                                SUNBandMatrix_StoredUpperBandwidth(matrix));
     callback.system.jacobian(t, values(y), view);
   });
@@ -107,9 +110,11 @@ int error_weights(N_Vector y, N_Vector weights, void* user) noexcept {
   return 0;
 }
 
-int event(double t, N_Vector y, double* value, void* user) {
+int find_events(double t, N_Vector y, double* value, void* user) {
   auto& callback = *static_cast<Callback*>(user);
-  return callback.guarded([&] { *value = callback.system.event(t, values(y)); });
+  return callback.guarded([&] {
+    callback.system.events(t, values(y), {value, callback.system.event_count()});
+  });
 }
 
 void keep_message(int, const char*, const char*, char* message, void* user) noexcept {
@@ -128,18 +133,22 @@ struct OdeSolver::Implementation {
         state(checked(Vector(N_VNew_Serial(static_cast<long>(start.size()), context.get())),
                       "N_VNew_Serial")),
         scratch(checked(Vector(N_VClone(state.get())), "N_VClone")),
-        matrix(checked(Matrix(SUNBandMatrix(static_cast<long>(start.size()), 1, 1, context.get())),
+        matrix(checked(Matrix(SUNBandMatrix(static_cast<long>(start.size()),
+                                            system.bandwidth().upper,
+                                            system.bandwidth().lower,
+                                            context.get())),
                        "SUNBandMatrix")),
         linear_solver(
             checked(LinearSolver(SUNLinSol_Band(state.get(), matrix.get(), context.get())),
                     "SUNLinSol_Band")),
         cvode(checked(Cvode(CVodeCreate(CV_BDF, context.get())), "CVodeCreate")),
         time_unit(options.time_unit),
-        end_time(options.end_time) {
+        end_time(options.end_time),
+        time(options.start_time) {
     std::copy(start.begin(), start.end(), values(state.get()).begin());
     void* memory = cvode.get();
     check(CVodeSetErrHandlerFn(memory, keep_message, &callback), "CVodeSetErrHandlerFn");
-    check(CVodeInit(memory, rate, 0.0, state.get()), "CVodeInit");
+    check(CVodeInit(memory, rate, options.start_time, state.get()), "CVodeInit");
     check(CVodeSetUserData(memory, &callback), "CVodeSetUserData");
     check(CVodeWFtolerances(memory, error_weights), "CVodeWFtolerances");
     check(CVodeSetLinearSolver(memory, linear_solver.get(), matrix.get()), "CVodeSetLinearSolver");
@@ -147,7 +156,11 @@ struct OdeSolver::Implementation {
     // Newton ten times tighter than usual: its noise otherwise costs twice the steps at a yield
     // stress, and hides the approach to a steady state.
     check(CVodeSetNonlinConvCoef(memory, 0.01), "CVodeSetNonlinConvCoef");
-    if (options.stop_at_event) check(CVodeRootInit(memory, 1, event), "CVodeRootInit");
+    // a yield front leaves kinks: more halvings than usual until a step is short enough for one
+    check(CVodeSetMaxErrTestFails(memory, 20), "CVodeSetMaxErrTestFails");
+    check(CVodeSetMaxConvFails(memory, 20), "CVodeSetMaxConvFails");
+    if (options.stop_at_event)
+      check(CVodeRootInit(memory, static_cast<int>(system.event_count()), find_events), "CVodeRootInit");
     check(CVodeSetStopTime(memory, options.end_time), "CVodeSetStopTime");
   }
 
@@ -157,18 +170,36 @@ struct OdeSolver::Implementation {
     throw SolverError(fmt::format("{} failed: {}", call, callback.message));
   }
 
+  /// What the system threw, unless it only refused a state: then its words.
+  std::string refusal() const {
+    if (!callback.error) return {};
+    try {
+      std::rethrow_exception(callback.error);
+    } catch (const StateError& error) {
+      return fmt::format("; {}", error.what());
+    }
+  }
+
   [[noreturn]] void fail(int flag) {
-    if (callback.error) std::rethrow_exception(callback.error);
+    const std::string refused = refusal();
     const std::unique_ptr<char, decltype(&std::free)> flag_name(
         checked(CVodeGetReturnFlagName(flag), "CVodeGetReturnFlagName"), &std::free);
     throw SolverError(
         fmt::format("the time integration stopped at t = {:.6g}{} with {}: {}; fastest "
-                    "change in {}",
+                    "change in {}{}",
                     time,
                     time_unit,
                     flag_name.get(),
                     callback.message,
-                    callback.system.component_name(fastest_component())));
+                    callback.system.component_name(fastest_component()),
+                    refused));
+  }
+
+  /// The derivative of this order of the polynomial through the last steps.
+  std::vector<double> polynomial(double at, int order) {
+    check(CVodeGetDky(cvode.get(), at, order, scratch.get()), "CVodeGetDky");
+    const auto found = values(scratch.get());
+    return {found.begin(), found.end()};
   }
 
   /// Index of the unknown that changes fastest in units of its tolerance.
@@ -194,7 +225,7 @@ struct OdeSolver::Implementation {
   Cvode cvode;
   std::string time_unit;
   double end_time;
-  double time = 0.0;
+  double time;
 };
 
 OdeSolver::OdeSolver(const OdeSystem& system,
@@ -209,8 +240,17 @@ OdeSolver::Step OdeSolver::step() {
   const int flag =
       CVode(self.cvode.get(), self.end_time, self.state.get(), &self.time, CV_ONE_STEP);
   if (flag < 0) self.fail(flag);
+  self.callback.error = nullptr;  // of a state that was refused and then avoided
   if (flag == CV_ROOT_RETURN) return Step::event;
   return flag == CV_TSTOP_RETURN ? Step::end : Step::advanced;
+}
+
+OdeEvent OdeSolver::event() const {
+  std::vector<int> roots(self_->callback.system.event_count());
+  self_->check(CVodeGetRootInfo(self_->cvode.get(), roots.data()), "CVodeGetRootInfo");
+  for (std::size_t i = 0; i < roots.size(); ++i)
+    if (roots[i] != 0) return {.index = i, .rising = roots[i] > 0};
+  return {};
 }
 
 void OdeSolver::tighten(double factor) {
@@ -227,9 +267,11 @@ std::span<const double> OdeSolver::state() const {
 }
 
 std::vector<double> OdeSolver::interpolate(double time) const {
-  self_->check(CVodeGetDky(self_->cvode.get(), time, 0, self_->scratch.get()), "CVodeGetDky");
-  const auto found = values(self_->scratch.get());
-  return {found.begin(), found.end()};
+  return self_->polynomial(time, 0);
+}
+
+std::vector<double> OdeSolver::derivative() const {
+  return self_->polynomial(self_->time, 1);
 }
 
 SolverStatistics OdeSolver::statistics() const {

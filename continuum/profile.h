@@ -26,6 +26,16 @@ struct SolverStatistics {
   long error_test_failures = 0;
   long newton_failures = 0;
   double wall_seconds = 0.0;
+
+  SolverStatistics& operator+=(const SolverStatistics& other) {
+    steps += other.steps;
+    rhs_evaluations += other.rhs_evaluations;
+    jacobian_evaluations += other.jacobian_evaluations;
+    error_test_failures += other.error_test_failures;
+    newton_failures += other.newton_failures;
+    wall_seconds += other.wall_seconds;
+    return *this;
+  }
 };
 
 struct Profile {

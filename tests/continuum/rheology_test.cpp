@@ -5,73 +5,12 @@
 #include <cmath>
 
 #include "continuum/bagnold_profile.h"
+#include "continuum/dual.h"
 #include "continuum/flow_curve.h"
 #include "tests/continuum/example_laws.h"
 
 namespace grainlaw::continuum {
 namespace {
-
-/// Smallest number type a fit needs: a value and one derivative.
-struct Dual {
-  double value = 0.0;
-  double derivative = 0.0;
-  Dual() = default;
-  explicit Dual(double v, double d = 0.0) : value(v), derivative(d) {}
-};
-Dual operator+(Dual x, Dual y) {
-  return Dual(x.value + y.value, x.derivative + y.derivative);
-}
-Dual operator-(Dual x, Dual y) {
-  return Dual(x.value - y.value, x.derivative - y.derivative);
-}
-Dual operator*(Dual x, Dual y) {
-  return Dual(x.value * y.value, x.derivative * y.value + x.value * y.derivative);
-}
-Dual operator/(Dual x, Dual y) {
-  const double ratio = x.value / y.value;
-  return Dual(ratio, (x.derivative - ratio * y.derivative) / y.value);
-}
-Dual operator+(double x, Dual y) {
-  return Dual(x) + y;
-}
-Dual operator+(Dual x, double y) {
-  return x + Dual(y);
-}
-Dual operator-(double x, Dual y) {
-  return Dual(x) - y;
-}
-Dual operator*(double x, Dual y) {
-  return Dual(x) * y;
-}
-Dual operator*(Dual x, double y) {
-  return x * Dual(y);
-}
-Dual operator/(double x, Dual y) {
-  return Dual(x) / y;
-}
-Dual operator/(Dual x, double y) {
-  return x / Dual(y);
-}
-bool operator>(Dual x, double y) {
-  return x.value > y;
-}
-bool operator>(Dual x, Dual y) {
-  return x.value > y.value;
-}
-bool operator>(double x, Dual y) {
-  return x > y.value;
-}
-Dual sqrt(Dual x) {
-  const double root = std::sqrt(x.value);
-  return Dual(root, x.derivative / (2.0 * root));
-}
-Dual pow(Dual x, Dual y) {
-  const double power = std::pow(x.value, y.value);
-  return Dual(power, power * (y.derivative * std::log(x.value) + y.value * x.derivative / x.value));
-}
-Dual pow(double x, Dual y) {
-  return pow(Dual(x), y);
-}
 
 /// The derivative of f at x through Dual against central differences. Rounding 1e-16 / h and
 /// truncation h^2 meet near h = 1e-5: 1e-9 relative to the scale of f / x.
@@ -80,7 +19,7 @@ void expect_derivative(Function f, double x) {
   const double h = 1e-5 * x;
   const double difference = (f(x + h) - f(x - h)) / (2.0 * h);
   const double scale = std::abs(f(x) / x) + std::abs(difference);
-  EXPECT_NEAR(f(Dual(x, 1.0)).derivative, difference, 1e-9 * scale);
+  EXPECT_NEAR(f(Dual<1>::variable(x, 0)).slope[0], difference, 1e-9 * scale);
 }
 
 TEST(Laws, DerivativesWithRespectToCoefficientsMatchFiniteDifferences) {

@@ -15,7 +15,7 @@ ShearLayer shear_layer(const RheologyTable& table,
                        int cells,
                        double delta) {
   const Layer layer = make_layer(table, chute);
-  return {layer, MassGrid(layer.mass, cells, 1.5), delta};
+  return {DiscreteLayer(layer, MassGrid(layer.mass, cells, 1.5)), delta};
 }
 
 /// The tridiagonal Jacobian as a full matrix, row-major.
@@ -74,7 +74,7 @@ TEST(ShearLayer, SteadyStateOfThePointwiseBalanceDoesNotAccelerate) {
   const auto soft = chute(24, 52.2, {.stiffness = 3.8e5});
   const auto system = shear_layer(table_of(frictional_spheres()), soft, 50, 0.0);
   // rounding of a stress of at most 21 divided by the smallest cell, 0.15
-  EXPECT_LT(system.largest_acceleration(system.steady_state()), 21.0 / 0.15 * 1e-15);
+  EXPECT_LT(system.largest_acceleration(system.discrete().steady().rate, {}), 21.0 / 0.15 * 1e-15);
 }
 
 TEST(ShearLayer, RelaxationTimeOfALinearLawIsTheDiffusionTime) {
@@ -83,18 +83,7 @@ TEST(ShearLayer, RelaxationTimeOfALinearLawIsTheDiffusionTime) {
       shear_layer(table_of(bagnold_at_24_degrees(0, b, 0)), chute(24, phi * height), 400, 0.0);
   // int M / (K tau') dM = H^2 / (2 nu); the midpoint rule errs by (1.5 / 400)^2
   const double expected = height * height * phi / (2.0 * b);
-  EXPECT_NEAR(system.relaxation_time(system.steady_state()), expected, 1e-2 * expected);
-}
-
-TEST(ShearLayer, RowsOfALayerAtRestBalanceTheWeight) {
-  const auto system = shear_layer(table_of(frictional_spheres()), chute(15, 52.2), 20, 0.0);
-  const Profile rest = system.at_rest();
-  for (const auto& row : rest.rows) {
-    EXPECT_EQ(row.velocity, 0.0);
-    EXPECT_NEAR(row.volume_fraction, 0.595, 1e-15);
-  }
-  EXPECT_NEAR(rest.rows.front().shear_stress, std::sin(15 * degree) * 52.2, 1e-13);
-  EXPECT_NEAR(rest.height, 52.2 / 0.595, 1e-12);
+  EXPECT_NEAR(system.discrete().relaxation_time(system.discrete().steady().rate), expected, 1e-2 * expected);
 }
 
 }  // namespace

@@ -192,12 +192,12 @@ TEST(StartFromRest, RegularisedPlugHasAnErrorProportionalToDelta) {
   EXPECT_NEAR(error(1e-4), expected * 1e-4, 1e-5);
 }
 
-TEST(StartFromRest, RegularisationOfSoftGrainsWithoutPlugLeavesNoVisibleError) {
+TEST(StartFromRest, SoftGrainsReachTheSteadyFlowWithoutAnyRegularisation) {
   const GrainProperties soft{.stiffness = 381971.8634};
   const auto run = start_from_rest(frictional, chute(24, 52.2, soft));
   EXPECT_EQ(run.answer.outcome, Outcome::steady);
   EXPECT_NEAR(run.final_profile.surface_velocity, 113.8802833418, 113.88 * 1e-5);  // grid
-  EXPECT_NE(run.answer.text.find("delta = 2.9e-05"), std::string::npos) << run.answer.text;
+  EXPECT_EQ(run.answer.text.find("delta"), std::string::npos) << run.answer.text;
 }
 
 TEST(StartFromRest, RefusesOptionsThatWouldMislead) {

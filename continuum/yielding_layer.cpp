@@ -1,0 +1,157 @@
+#include "continuum/yielding_layer.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace grainlaw::continuum {
+namespace {
+
+/// The lowest mode of a layer of mass M has the wave number pi / (2 M): frequency w = c pi / (2 M),
+/// damping t_e w^2, critical at t_e w = 2.
+double critical_wave_speed(double mass, double elastic_time) {
+  return 4.0 * mass / (std::numbers::pi * elastic_time);
+}
+
+/// Where b = 0, dq/dsigma is infinite at yield, which no Newton iteration stands. Up to this share of
+/// the stress at the base above yield, q(sigma) of a quadratic law is replaced by its secant. Of the
+/// steady velocity that takes at most a quarter of its 3/2 power, 2.5e-7.
+constexpr double secant_share = 1e-4;
+
+constexpr std::size_t velocity_of(std::size_t cell) {
+  return 2 * cell;
+}
+constexpr std::size_t stress_of(std::size_t face) {
+  return 2 * face + 1;
+}
+
+}  // namespace
+
+YieldingLayer::YieldingLayer(DiscreteLayer discrete, double elastic_time)
+    : TransientSystem(std::move(discrete)), elastic_time_(elastic_time) {
+  const double speed = critical_wave_speed(this->discrete().layer().mass, elastic_time);
+  wave_speed_squared_ = speed * speed;
+  const FlowCurve& base = curve(cells() - 1);
+  if (base.quadratic > 0.0) {
+    linear_below_ = secant_share * drive() * this->discrete().layer().mass;
+    linear_slope_ = *base.scaled_rate(base.yield_stress + linear_below_) / linear_below_;
+  }
+}
+
+double YieldingLayer::plastic_rate(double stress, std::size_t face) const {
+  const double excess = std::abs(stress) - curve(face).yield_stress;
+  if (excess <= 0.0) return 0.0;
+  if (excess < linear_below_) return std::copysign(excess * linear_slope_, stress);
+  const auto q = curve(face).scaled_rate(std::abs(stress));
+  if (!q)
+    throw StateError(
+        fmt::format("the stress in {} exceeds what the law can carry", face_name(face)));
+  return std::copysign(*q, stress);
+}
+
+double YieldingLayer::plastic_slope(double stress, std::size_t face) const {
+  const double excess = std::abs(stress) - curve(face).yield_stress;
+  if (excess <= 0.0) return 0.0;
+  if (excess < linear_below_) return linear_slope_;
+  return 1.0 / curve(face).viscous_slope(std::abs(plastic_rate(stress, face)));
+}
+
+double YieldingLayer::stress_rate(std::span<const double> y, std::size_t face) const {
+  const double below = face + 1 < cells() ? y[velocity_of(face + 1)] : 0.0;
+  const double gradient = (y[velocity_of(face)] - below) / grid().distance[face];
+  return wave_speed_squared_ *
+         (gradient - plastic_rate(y[stress_of(face)], face) / curve(face).mobility);
+}
+
+void YieldingLayer::rate(double, std::span<const double> y, std::span<double> dydt) const {
+  double above = 0.0;
+  for (std::size_t k = 0; k < cells(); ++k) {
+    const double rate = stress_rate(y, k);
+    const double below = y[stress_of(k)] + elastic_time_ * rate;
+    dydt[velocity_of(k)] = drive() - (below - above) / grid().width[k];
+    dydt[stress_of(k)] = rate;
+    above = below;
+  }
+}
+
+void YieldingLayer::jacobian(double, std::span<const double> y, BandView matrix) const {
+  for (std::size_t k = 0; k < cells(); ++k) {
+    const std::size_t u = velocity_of(k), sigma = stress_of(k);
+    const double by_velocity = wave_speed_squared_ / grid().distance[k];
+    const double by_stress =
+        -wave_speed_squared_ * plastic_slope(y[sigma], k) / curve(k).mobility;
+    /// d(stress rate below cell k) / d(unknown), once as the rate itself and, through the damping,
+    /// in the balances of the cells above (-) and below (+) the face.
+    const auto add = [&](std::size_t unknown, double slope, double direct) {
+      const double total = direct + elastic_time_ * slope;
+      matrix(sigma, unknown) = slope;
+      matrix(u, unknown) -= total / grid().width[k];
+      if (k + 1 < cells()) matrix(velocity_of(k + 1), unknown) += total / grid().width[k + 1];
+    };
+    add(u, by_velocity, 0.0);
+    if (k + 1 < cells()) add(velocity_of(k + 1), -by_velocity, 0.0);
+    add(sigma, by_stress, 1.0);
+  }
+}
+
+double YieldingLayer::event(double t, std::span<const double> y) const {
+  std::array<double, 2> values{};
+  events(t, y, values);
+  return values[dense_event];
+}
+
+void YieldingLayer::events(double, std::span<const double> y, std::span<double> values) const {
+  const double limit = dense_share * curve(cells() - 1).I_phi;
+  double lost = -1.0;
+  double excess = -INFINITY;
+  for (std::size_t k = 0; k < cells(); ++k) {
+    const double sigma = y[stress_of(k)];
+    excess = std::max(excess, std::abs(sigma) - curve(k).yield_stress);
+    if (std::isinf(limit)) continue;
+    const double q = std::abs(plastic_rate(sigma, k));
+    lost = std::max(lost, q / (1.0 + q / curve(k).I_phi) / limit - 1.0);
+  }
+  values[dense_event] = lost;
+  values[yield_event] = excess - 1e-9 * drive() * discrete().layer().mass;
+}
+
+std::string YieldingLayer::component_name(std::size_t i) const {
+  const std::string place = face_name(i / 2);
+  return i % 2 == 0 ? "the velocity above " + place : "the stress at " + place;
+}
+
+std::vector<double> YieldingLayer::state(const Motion& motion) const {
+  std::vector<double> y(2 * cells());
+  for (std::size_t k = 0; k < cells(); ++k) {
+    y[velocity_of(k)] = motion.velocity[k];
+    y[stress_of(k)] = motion.stress[k];
+  }
+  return y;
+}
+
+Motion YieldingLayer::motion(std::span<const double> state) const {
+  Motion motion;
+  for (std::size_t k = 0; k < cells(); ++k) {
+    motion.velocity.push_back(state[velocity_of(k)]);
+    motion.stress.push_back(state[stress_of(k)]);
+    motion.rate.push_back(plastic_rate(motion.stress[k], k));
+  }
+  return motion;
+}
+
+double YieldingLayer::mean_velocity(std::span<const double> y) const {
+  double momentum = 0.0;
+  for (std::size_t k = 0; k < cells(); ++k) momentum += y[velocity_of(k)] * grid().width[k];
+  return momentum / discrete().layer().mass;
+}
+
+double YieldingLayer::acceleration(std::span<const double>,
+                                   std::span<const double> rate,
+                                   std::size_t cell) const {
+  return rate[velocity_of(cell)];
+}
+
+}  // namespace grainlaw::continuum
