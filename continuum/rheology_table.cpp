@@ -32,9 +32,11 @@ void list(Law& law, std::vector<NamedCoefficient<Value>>& out) requires
     std::same_as<std::remove_const_t<Law>, MuPhi> {
   auto& mu = law.friction;
   out.insert(out.end(), {{"mu0", &mu.mu0}, {"beta", &mu.beta}, {"kappa", &mu.kappa}});
+  if (auto& exponent = mu.exponent) out.push_back({"exponent", &*exponent});
   if (auto& soft = law.softness_friction) out.push_back({"p_mu", &soft->p_mu});
   if (auto& c = law.cohesion_friction)
     out.insert(out.end(), {{"cohesion_alpha", &c->alpha}, {"cohesion_beta", &c->beta}});
+  if (auto& c = law.cohesion_stress) out.push_back({"cohesion_factor", &c->factor});
   auto& phi = law.volume_fraction;
   out.insert(out.end(), {{"phi0", &phi.phi0}, {"I_phi", &phi.I_phi}});
   if (auto& soft = law.softness_volume_fraction) out.push_back({"p_phi", &soft->p_phi});
@@ -101,6 +103,7 @@ void validate_friction(const InertialFriction& law) {
   require_not_negative("mu0", law.mu0);
   require_not_negative("beta", law.beta);  // negative: mu falls with I and the flow is ill-posed
   require_not_negative("kappa", law.kappa);
+  if (law.exponent) require_positive("exponent", *law.exponent);
   if (law.mu0 == 0.0 && law.beta == 0.0)
     throw TableError("mu0 = 0 and beta = 0: a fluid without stress; give mu0 > 0 or beta > 0");
 }
@@ -129,6 +132,12 @@ void validate_law(const MuPhi& law, bool has_friction) {
   if (const auto& c = law.cohesion_friction) {
     require_not_negative("cohesion_alpha", c->alpha);
     require_positive("cohesion_beta", c->beta);
+  }
+  if (const auto& c = law.cohesion_stress) {
+    require_not_negative("cohesion_factor", c->factor);
+    if (law.cohesion_friction)
+      throw TableError(
+          "cohesion_friction and cohesion_stress are two laws for the same thing: give one");
   }
   require_volume_fraction("phi0", law.volume_fraction.phi0);
   require(law.volume_fraction.I_phi > 0.0, "I_phi", law.volume_fraction.I_phi, "positive");

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <stdexcept>
+#include <vector>
 
 #include "continuum/chute_1d.h"
 #include "continuum/layer.h"
@@ -22,26 +24,37 @@ constexpr std::array<GaussPoint, 3> gauss = {{{0.2386191860831969, 0.46791393457
                                               {0.6612093864662645, 0.3607615730481386},
                                               {0.9324695142031521, 0.1713244923791704}}};
 
-/// M(s) = origin + (linear s + quadratic s^2) / scale: a variable in which the integrands have no
-/// singularity, so that Gauss converges down to rounding.
+/// M(s) = origin + (linear r + quadratic r^2) / scale, r = s or s^2: a variable in which the
+/// integrands have no singularity, so that Gauss converges down to rounding.
 struct Substitution {
   double origin = 0.0;
   double linear = 0.0;
   double quadratic = 0.0;
   double scale = 1.0;
+  bool squared = false;
 
-  double mass(double s) const { return origin + s * (linear + quadratic * s) / scale; }
-  double slope(double s) const { return (linear + 2.0 * quadratic * s) / scale; }
+  double mass(double s) const {
+    const double r = squared ? s * s : s;
+    return origin + r * (linear + quadratic * r) / scale;
+  }
+  double slope(double s) const {
+    const double r = squared ? s * s : s;
+    return (linear + 2.0 * quadratic * r) / scale * (squared ? 2.0 * s : 1.0);
+  }
   double variable(double mass_above) const {
-    return bagnold_shear_rate(quadratic, linear, scale * (mass_above - origin));
+    const double r = bagnold_shear_rate(quadratic, linear, scale * (mass_above - origin));
+    return squared ? std::sqrt(r) : r;
   }
 };
 
 /// In the sheared part: s = gd for the generalised Bagnold law, which makes the integrands
-/// polynomials, and s = sqrt(M) for mu(I) laws, whose terms are analytic in sqrt(p).
+/// polynomials, and s = sqrt(M) for mu(I) laws, whose terms are analytic in sqrt(p). A power law
+/// makes I ~ (M - M_c)^(1/n) at the edge of a plug: s is the fourth root of the distance from there.
 Substitution sheared(const Layer& layer, double plug_mass) {
   if (const auto* law = std::get_if<GeneralisedBagnold>(&layer.law))
     return {.origin = plug_mass, .linear = law->b, .quadratic = law->a, .scale = layer.sine};
+  const bool power_law = std::get<MuPhi>(layer.law).friction.exponent.has_value();
+  if (power_law && plug_mass > 0.0) return {.origin = plug_mass, .quadratic = 1.0, .squared = true};
   return {.quadratic = 1.0};
 }
 
@@ -77,10 +90,7 @@ class Quadrature {
         sheared_(sheared(layer, plug_mass)),
         sheared_panel_((sheared_.variable(layer.mass) - sheared_.variable(plug_mass)) / panels),
         plug_panel_(plug_mass / panels) {
-    // Laws have a kink where their cohesion terms are continued beyond the largest fitted Bo.
-    const double kink =
-        layer.grains.adhesion.value_or(0.0) / (largest_fitted_bond_number * layer.cosine);
-    breaks_ = {std::min(plug_mass, kink), std::max(plug_mass, kink)};
+    add_breaks();
   }
 
   Integrals between(double above, double below) const {
@@ -94,6 +104,23 @@ class Quadrature {
   }
 
  private:
+  /// Laws have a kink where their cohesion terms are continued beyond the largest fitted Bo, and
+  /// there and at the plug edge they vary with ln M: panels must not reach further than to sqrt(2)
+  /// times the mass above, as long as they are not shorter anyway.
+  void add_breaks() {
+    const double adhesion = layer_.grains.adhesion.value_or(0.0);
+    const double kink = adhesion / (largest_fitted_bond_number * layer_.cosine);
+    if (plug_mass_ > 0.0) breaks_.push_back(plug_mass_);
+    if (adhesion > 0.0 && std::holds_alternative<MuPhi>(layer_.law)) {
+      breaks_.push_back(kink);
+      const double panel = std::min(0.1 * layer_.mass, sheared_panel_ * sheared_panel_);
+      const double first = plug_mass_ > 0.0 ? std::min(plug_mass_, kink) : kink;
+      for (double at = first; at < 0.5 * layer_.mass && at < 16.0 * panel; at *= std::numbers::sqrt2)
+        breaks_.push_back(std::numbers::sqrt2 * at);
+    }
+    std::sort(breaks_.begin(), breaks_.end());
+  }
+
   Integrals smooth_part(double above, double below) const {
     const bool flows = above >= plug_mass_;
     const Substitution& m = flows ? sheared_ : plug;
@@ -122,7 +149,7 @@ class Quadrature {
   Substitution sheared_;
   double sheared_panel_;
   double plug_panel_;
-  std::array<double, 2> breaks_{};
+  std::vector<double> breaks_;
 };
 
 ProfileRow row_at(const Layer& layer, double mass_above, const Integrals& from_base) {

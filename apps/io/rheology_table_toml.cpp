@@ -34,10 +34,18 @@ GeneralisedBagnold read_bagnold(Section& section) {
   return law;
 }
 
+/// Power law or not; the rest of mu(I) does not change.
+std::optional<double> read_exponent(Section& section) {
+  const Key key{"exponent", "n of x = I^n, in place of I in mu(I)", {}, positive};
+  return section.find<double>(key, "1");
+}
+
 /// beta and kappa, or mu_inf and I_mu in their place: beta = (mu_inf - mu0)/I_mu, kappa = 1/I_mu.
 InertialFriction read_friction(InputFile& in) {
-  Section section = in.section("law.friction", "mu(I) = mu0 + beta I/(1 + kappa I)");
+  Section section =
+      in.section("law.friction", "mu(I) = mu0 + beta x/(1 + kappa x), x = I or a power of it");
   InertialFriction law;
+  law.exponent = read_exponent(section);
   law.mu0 = section.read<double>({"mu0", "static friction", {}, not_negative});
   const auto beta = section.find<double>({"beta", "slope at I = 0", {}, not_negative});
   const auto mu_inf = section.find<double>({"mu_inf", "friction at large I", {}, not_negative});
@@ -49,27 +57,44 @@ InertialFriction read_friction(InputFile& in) {
   if (beta.has_value() != kappa.has_value() && mu_inf.has_value() != I_mu.has_value()) {
     section.problem("", "give beta with kappa, or mu_inf with I_mu");
   }
-  if (!mu_inf || !I_mu) return {law.mu0, beta.value_or(0.0), kappa.value_or(0.0)};
+  if (!mu_inf || !I_mu) {
+    law.beta = beta.value_or(0.0);
+    law.kappa = kappa.value_or(0.0);
+    return law;
+  }
   if (*mu_inf < law.mu0) {
     section.problem(
         "mu_inf",
         fmt::format("mu_inf = {} is below mu0 = {}: friction would fall with I", *mu_inf, law.mu0));
   }
-  return {law.mu0, (*mu_inf - law.mu0) / *I_mu, 1.0 / *I_mu};
+  law.beta = (*mu_inf - law.mu0) / *I_mu;
+  law.kappa = 1.0 / *I_mu;
+  return law;
 }
 
 void read_friction_terms(InputFile& in, MuPhi& law) {
   Section softness =
       in.optional_section("law.softness_friction", "f_p = 1 - sqrt((1 + Bo) p*/p_mu)");
   if (softness.given()) {
-    law.softness_friction = {
-        softness.read<double>({"p_mu", "(Shi et al. 2020, table 6)", {}, positive})};
+    law.softness_friction = SoftnessFriction{
+        .p_mu = softness.read<double>({"p_mu", "(Shi et al. 2020, table 6)", {}, positive})};
+    const std::string form =
+        softness.choice({"form", "\"linear\": f_p = 1 - (1 + Bo) p*/p_mu, without the root"},
+                        {"square root", "linear"},
+                        "square root");
+    if (form == "linear") law.softness_friction->form = SoftnessForm::linear;
   }
   Section cohesion = in.optional_section("law.cohesion_friction", "f_B = 1 + alpha Bo^beta");
   if (cohesion.given()) {
     law.cohesion_friction = {
         cohesion.read<double>({"alpha", "(Shi et al. 2020, table 6)", {}, not_negative}),
         cohesion.read<double>({"beta", "exponent", {}, positive})};
+  }
+  Section stress = in.optional_section(
+      "law.cohesion_stress", "tau = c0 + mu p, c0 = factor f_a/d^2, in place of f_B");
+  if (stress.given()) {
+    law.cohesion_stress = {
+        stress.read<double>({"factor", "c0 over the pull f_a/d^2", {}, not_negative})};
   }
 }
 

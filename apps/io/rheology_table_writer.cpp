@@ -75,14 +75,23 @@ void write_friction(TomlText& out, const MuPhi& law) {
   out.line("mu0", law.friction.mu0, "mu(I) = mu0 + beta I/(1 + kappa I)");
   out.line("beta", law.friction.beta);
   out.line("kappa", law.friction.kappa);
+  if (law.friction.exponent) out.line("exponent", *law.friction.exponent, "I^exponent for I");
   if (const auto& softness = law.softness_friction) {
     out.section("law.softness_friction");
-    out.line("p_mu", softness->p_mu, "f_p = 1 - sqrt((1 + Bo) p*/p_mu)");
+    const bool linear = softness->form == SoftnessForm::linear;
+    out.line("p_mu",
+             softness->p_mu,
+             linear ? "f_p = 1 - (1 + Bo) p*/p_mu" : "f_p = 1 - sqrt((1 + Bo) p*/p_mu)");
+    if (linear) out.line("form", in_quotes("linear"));
   }
   if (const auto& cohesion = law.cohesion_friction) {
     out.section("law.cohesion_friction");
     out.line("alpha", cohesion->alpha, "f_B = 1 + alpha Bo^beta");
     out.line("beta", cohesion->beta);
+  }
+  if (const auto& cohesion = law.cohesion_stress) {
+    out.section("law.cohesion_stress");
+    out.line("factor", cohesion->factor, "tau = factor f_a/d^2 + mu p");
   }
 }
 

@@ -61,6 +61,16 @@ TEST(RheologyTable, RefusesCoefficientsThatLeavePhysicsByName) {
   EXPECT_TRUE(contains(refusal(table_of(law)), "volume fraction vanish"));
 }
 
+TEST(RheologyTable, RefusesTwoLawsForTheSameCohesion) {
+  MuPhi law = frictional_spheres();
+  law.cohesion_stress = CohesionStress{.factor = 0.4};
+  EXPECT_TRUE(contains(refusal(table_of(law)), "give one"));
+  law.cohesion_friction.reset();
+  EXPECT_EQ(refusal(table_of(law)), "accepted");
+  law.friction.exponent = 0.0;
+  EXPECT_TRUE(contains(refusal(table_of(law)), "exponent = 0"));
+}
+
 TEST(RheologyTable, RefusesAMalformedCovariance) {
   EXPECT_EQ(refusal(with_covariance({"mu0", "beta"}, {1e-4, 1e-5, 1e-5, 1e-3})), "accepted");
   EXPECT_TRUE(contains(refusal(with_covariance({"mu0"}, {1e-4, 0})), "needs 1 numbers"));

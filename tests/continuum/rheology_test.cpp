@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <vector>
 
 #include "continuum/bagnold_profile.h"
 #include "continuum/dual.h"
@@ -100,6 +101,82 @@ TEST(FlowCurve, IsTheLawOfTheTableInAnotherVariable) {
     EXPECT_NEAR(curve.volume_fraction(q), volume_fraction(law, I, at), 1e-15);
     EXPECT_LT(I, law.volume_fraction.I_phi);
   }
+}
+
+/// One law of every family.
+std::vector<MuPhi> families() {
+  std::vector<MuPhi> laws(5, frictional_spheres());
+  laws[1].softness_friction->form = SoftnessForm::linear;
+  laws[2].cohesion_friction.reset();
+  laws[2].cohesion_stress = CohesionStress{.factor = 0.4};
+  laws[3].friction = {.mu0 = 0.3530, .beta = 0.4, .exponent = 0.7};
+  laws[4].softness_friction.reset();
+  return laws;
+}
+
+TEST(LawFamilies, StressHasTheDerivativesOfFiniteDifferences) {
+  const GrainProperties grains{
+      .diameter = 0.7, .density = 2.5, .stiffness = 2e3, .adhesion = 0.9};
+  for (const MuPhi& law : families())
+    for (const double p : {0.2, 3.0, 40.0})  // Bo beyond and below 5
+      for (const double rate : {0.01, 0.8}) {
+        const auto at = [&](double gd, double pressure) {
+          return stress_response(law, grains, gd, pressure).stress;
+        };
+        const StressResponse response = stress_response(law, grains, rate, p);
+        const double dg = 1e-5 * rate, dp = 1e-5 * p;
+        const double by_rate = (at(rate + dg, p) - at(rate - dg, p)) / (2.0 * dg);
+        const double by_pressure = (at(rate, p + dp) - at(rate, p - dp)) / (2.0 * dp);
+        // truncation 1e-10 of the third derivative; rounding 1e-16 / 1e-5 of stress over step
+        EXPECT_NEAR(response.by_shear_rate, by_rate, 1e-9 * (response.stress / rate));
+        EXPECT_NEAR(response.by_pressure, by_pressure, 1e-9 * (response.stress / p));
+        EXPECT_GT(response.by_shear_rate, 0.0);
+      }
+}
+
+TEST(LawFamilies, InverseGivesBackTheShearRateAndItsState) {
+  const GrainProperties soft{.stiffness = 2e3, .adhesion = 0.5};
+  for (const MuPhi& law : families())
+    for (const double p : {0.5, 9.0}) {
+      const double tau = stress_response(law, soft, 0.3, p).stress;
+      const LocalFlow flow = local_flow(law, soft, tau, p);
+      EXPECT_EQ(flow.state, LocalState::flows);
+      EXPECT_NEAR(flow.shear_rate, 0.3, 1e-13);
+      EXPECT_NEAR(flow.inertial_number, 0.3 / std::sqrt(p), 1e-13);
+      EXPECT_NEAR(flow.volume_fraction,
+                  volume_fraction(law, flow.inertial_number, confinement(soft, p)),
+                  1e-14);
+    }
+}
+
+TEST(LawFamilies, NameEveryStateAPointCanBeIn) {
+  const MuPhi law = frictional_spheres();
+  const auto state = [&](double mu, const GrainProperties& grains) {
+    return local_flow(law, grains, 2.0 * mu, 2.0).state;
+  };
+  EXPECT_EQ(state(0.35, {}), LocalState::rests);
+  EXPECT_EQ(state(0.45, {}), LocalState::flows);
+  EXPECT_EQ(state(0.70, {}), LocalState::no_dense_state);
+  EXPECT_EQ(state(0.72, {}), LocalState::no_steady);
+  EXPECT_EQ(state(0.45, {.stiffness = 5.0}), LocalState::no_friction);  // p* = 0.4 > p_mu
+  EXPECT_EQ(name(LocalState::no_friction), "no friction");
+}
+
+TEST(LawFamilies, PowerLawOfExponentOneIsTheLinearLaw) {
+  MuPhi power = frictional_spheres();
+  MuPhi plain = power;
+  power.friction.exponent = 1.0;
+  for (const double tau : {0.8, 1.2})
+    EXPECT_EQ(local_flow(power, {}, tau, 2.0).shear_rate,
+              local_flow(plain, {}, tau, 2.0).shear_rate);
+}
+
+TEST(LawFamilies, AdditiveCohesionIsAYieldStressWithoutPressure) {
+  MuPhi law = incompressible_spheres();
+  law.cohesion_stress = CohesionStress{.factor = 0.4};
+  const FlowCurve curve = flow_curve(law, {.adhesion = 5.0}, 1e-12);
+  EXPECT_NEAR(curve.yield_stress, 2.0, 1e-11);
+  EXPECT_EQ(flow_curve(law, {}, 3.0).yield_stress, 3.0 * 0.3530);  // no adhesion, no cohesion
 }
 
 TEST(FlowCurve, NoRateReachesTheLargestFriction) {

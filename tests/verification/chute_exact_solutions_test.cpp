@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <vector>
 
 #include "continuum/bagnold_profile.h"
 #include "tests/continuum/example_laws.h"
@@ -70,6 +71,63 @@ TEST(V2GeneralisedBagnold, ClosedFormHasTheValuesOfThePrintedEquation) {
   EXPECT_NEAR(at_height(0, 20, 90), 87.075, 1e-12);
 }
 
+/// tau = c0 + p (mu0 + beta I) at constant density: with P = phi cos(theta) y and y the depth,
+/// gd = [(tan(theta) - mu0) sqrt(P) - c0 / sqrt(P)] / beta below y_c = c0 / (phi cos (tan - mu0)).
+TEST(V3CohesiveLinearLaw, HasTheElementaryProfileOverAPlug) {
+  const double phi = 0.58, mass = 29.0, mu0 = 0.3530, beta = 0.6, theta = 24 * degree;
+  MuPhi law = incompressible_spheres();
+  law.friction = {.mu0 = mu0, .beta = beta};
+  for (const double c0 : {0.0, 1e-6, 0.1, 0.8}) {
+    law.cohesion_stress = CohesionStress{.factor = c0 / 2.0};
+    const auto steady = steady_chute(table_of(law), chute(24, mass, {.adhesion = 2.0}));
+    const double k = phi * std::cos(theta), drive = std::tan(theta) - mu0;
+    const double edge = c0 / (k * drive);
+    const auto integral = [&](double y) {
+      return (2.0 / 3.0 * drive * std::sqrt(k) * y * std::sqrt(y) - 2.0 * c0 * std::sqrt(y / k)) /
+             beta;
+    };
+    const double surface = integral(mass / phi) - integral(edge);
+    for (const auto& row : steady.profile.rows) {
+      const double exact = integral(mass / phi) - integral(std::max(edge, row.mass_above / phi));
+      EXPECT_NEAR(row.velocity, exact, 1e-12 * surface) << "c0 " << c0;
+    }
+    EXPECT_NEAR(steady.profile.plug_mass, phi * edge, 1e-12 * mass);
+    EXPECT_EQ(steady.answer.outcome, c0 > 0.0 ? Outcome::plug : Outcome::steady);
+  }
+}
+
+/// The law of closure (A) that such a chute obeys: tau_c = c0 tan / (tan - mu0) and, with K =
+/// (tan - mu0) / beta and P_c = c0 / (tan - mu0), tau - tau_c = tan / (2 K^2) (gd^2 + gd sqrt(gd^2 +
+/// 4 K^2 P_c)): cohesion alone looks like a linear term.
+TEST(V3CohesiveLinearLaw, LooksLikeAGeneralisedBagnoldLawOfItsTilt) {
+  const double mu0 = 0.3530, beta = 0.6, c0 = 0.4, tangent = std::tan(24 * degree);
+  MuPhi law = incompressible_spheres();
+  law.friction = {.mu0 = mu0, .beta = beta};
+  law.cohesion_stress = CohesionStress{.factor = c0};
+  const auto profile = steady_chute(table_of(law), chute(24, 29, {.adhesion = 1.0})).profile;
+  const double K = (tangent - mu0) / beta, P_c = c0 / (tangent - mu0);
+  for (const auto& row : profile.rows) {
+    if (row.shear_rate == 0.0) continue;
+    const double gd = row.shear_rate;
+    const double tau = c0 * tangent / (tangent - mu0) +
+                       tangent / (2.0 * K * K) * (gd * gd + gd * std::sqrt(gd * gd + 4 * K * K * P_c));
+    EXPECT_NEAR(row.shear_stress, tau, 1e-12 * tau);
+  }
+}
+
+/// mu = mu0 + A I^n at constant density, without cohesion: Bagnold's profile with the I of the tilt.
+TEST(PowerLaw, FlowsAsBagnoldWithItsOwnInertialNumber) {
+  MuPhi law = incompressible_spheres();
+  law.friction = {.mu0 = 0.3530, .beta = 0.4, .exponent = 0.7};
+  const double I = std::pow((std::tan(24 * degree) - 0.3530) / 0.4, 1.0 / 0.7);
+  const auto profile = steady_chute(table_of(law), chute(24, 29)).profile;
+  const double scale = 2.0 / 3.0 * I * std::sqrt(std::cos(24 * degree)) / 0.58;
+  for (const auto& row : profile.rows)
+    EXPECT_NEAR(row.velocity,
+                scale * (std::pow(29.0, 1.5) - std::pow(row.mass_above, 1.5)),
+                1e-13 * scale * std::pow(29.0, 1.5));
+}
+
 struct LawDigits {
   GrainProperties grains;
   double surface_velocity, height, base_inertial_number;
@@ -106,18 +164,34 @@ TEST(V6FullLaw, HoldsForSlipperyGrains) {
   EXPECT_NEAR(profile.rows.front().inertial_number, .0315528653, 1e-9 * .0316);
 }
 
+void expect_converged(const RheologyTable& table, const ChuteCase& inclined, double tolerance) {
+  const auto few = steady_chute(table, inclined).profile;
+  const auto many = steady_chute(table, inclined, {.panels = 640}).profile;
+  EXPECT_NEAR(few.surface_velocity, many.surface_velocity, tolerance * many.surface_velocity);
+  EXPECT_NEAR(few.height, many.height, tolerance * many.height);
+  EXPECT_NEAR(few.flux, many.flux, tolerance * many.flux);
+}
+
 TEST(SteadyQuadrature, DoesNotChangeWithMorePanels) {
   const auto table = table_of(frictional_spheres());
   for (const auto& inclined : {chute(24, 52.2, {.stiffness = 381971.8634}),
                                chute(24, 52.2, {.stiffness = 381971.8634, .adhesion = 5.0}),
                                chute(19.3, 52.2, {.stiffness = 3819.718634}),  // yields inside
-                               chute(33, 52.2)}) {
-    const auto few = steady_chute(table, inclined).profile;
-    const auto many = steady_chute(table, inclined, {.panels = 640}).profile;
-    EXPECT_NEAR(few.surface_velocity, many.surface_velocity, 1e-13 * many.surface_velocity);
-    EXPECT_NEAR(few.height, many.height, 1e-13 * many.height);
-    EXPECT_NEAR(few.flux, many.flux, 1e-13 * many.flux);
-  }
+                               chute(33, 52.2)})
+    expect_converged(table, inclined, 1e-13);
+}
+
+TEST(SteadyQuadrature, DoesNotChangeWithMorePanelsForAnyFamilyOfLaws) {
+  std::vector<MuPhi> laws(4, frictional_spheres());
+  laws[1].cohesion_friction.reset();
+  laws[1].cohesion_stress = CohesionStress{.factor = 0.3};
+  laws[2].softness_friction->form = SoftnessForm::linear;
+  laws[3].friction = {.mu0 = 0.3530, .beta = 0.4, .exponent = 0.7};
+  for (const MuPhi& law : laws)
+    for (const double adhesion : {1e-3, 0.1, 5.0})
+      expect_converged(table_of(law),
+                       chute(24, 52.2, {.stiffness = 381971.8634, .adhesion = adhesion}),
+                       law.friction.exponent ? 1e-10 : 1e-12);
 }
 
 }  // namespace
