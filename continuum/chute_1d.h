@@ -11,12 +11,22 @@
 
 namespace grainlaw::continuum {
 
+/// Two vertical walls that the grains slide along: each takes the shear stress friction
+/// pressure_ratio p against the flow.
+struct SideWalls {
+  double width = 0.0;           ///< W between them [length]
+  double friction = 0.0;        ///< mu_w
+  double pressure_ratio = 1.0;  ///< K = sigma_yy / sigma_zz at the walls
+};
+
 /// An inclined layer, given by what is known before it flows.
 struct ChuteCase {
   double inclination = 0.0;    ///< theta [rad]
   double gravity = 1.0;        ///< g [length/time^2]
   double mass_per_area = 0.0;  ///< M0, all flowing mass above the base [mass/length^2]
   GrainProperties grains{};
+  std::optional<SideWalls> walls{};  ///< absent: wide
+  double slip_length = 0.0;          ///< L_s of u = L_s du/dz at the base [length]; 0: no slip
 };
 
 struct SteadyOptions {
@@ -31,7 +41,9 @@ struct SteadyChute {
 
 /// Steady profile by quadrature in the mass coordinate, u = 0 at the effective base of the table:
 /// u(M) = int_M^M1 I sqrt(p/rho_p) / (d rho_p phi) dM', M1 = M0 - mass below the no-slip height.
-/// Relative error 1e-13 for analytic laws. The profile starts at the no-slip height.
+/// Relative error 1e-13 for analytic laws. The profile starts at the no-slip height. Between side
+/// walls the stress is no longer known beforehand, dtau/dM = g sin(theta) - (2 mu_w K / W) p / rho,
+/// and is integrated from the surface down, relative error 1e-9; what the walls hold up rests.
 /// Throws TableError for a table that validate() refuses and std::invalid_argument for a case
 /// without meaning (p = 0, M0 <= 0).
 SteadyChute steady_chute(const RheologyTable& table,

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "continuum/walled_layer.h"
+
 namespace grainlaw::continuum {
 
 MassGrid::MassGrid(double mass, int cells, double grading) {
@@ -24,14 +26,42 @@ std::vector<double> DiscreteLayer::velocity(std::span<const double> q) const {
   std::vector<double> u(cells());
   double sum = 0.0;
   for (std::size_t k = cells(); k-- > 0;)
-    u[k] = sum += q[k] / curves_[k].mobility * grid_.distance[k];
+    u[k] = sum += k + 1 == cells() ? base_velocity(q[k])
+                                   : q[k] / curves_[k].mobility * grid_.distance[k];
   return u;
+}
+
+double DiscreteLayer::base_velocity(double q) const {
+  const FlowCurve& base = curves_.back();
+  return q / base.mobility * grid_.distance.back() + layer_.slip_length * base.shear_rate(q);
+}
+
+double DiscreteLayer::base_velocity_slope(double q) const {
+  const FlowCurve& base = curves_.back();
+  const double dilated = 1.0 + std::abs(q) / base.I_phi;
+  return (grid_.distance.back() +
+          layer_.slip_length * base.static_volume_fraction / (dilated * dilated)) /
+         base.mobility;
+}
+
+double DiscreteLayer::base_rate(double velocity) const {
+  // q A + B q / (1 + q / I_phi) = u, a quadratic equation for |q|
+  const FlowCurve& base = curves_.back();
+  const double A = grid_.distance.back() / base.mobility;
+  const double B = layer_.slip_length * base.static_volume_fraction / base.mobility;
+  const double u = std::abs(velocity);
+  return std::copysign(bagnold_shear_rate(A / base.I_phi, A + B - u / base.I_phi, u), velocity);
 }
 
 Motion DiscreteLayer::steady() const {
   Motion motion;
+  WalledFlow walled;
+  if (layer_.wall_drag > 0.0) walled = walled_flow(layer_, grid_.face);
   for (std::size_t k = 0; k < cells(); ++k) {
-    motion.stress.push_back(layer_.driving_stress(grid_.face[k]));
+    motion.stress.push_back(layer_.wall_drag > 0.0 ? walled.points[k].stress
+                                                   : layer_.driving_stress(grid_.face[k]));
+    const bool rests = layer_.wall_drag > 0.0 && grid_.face[k] > walled.sheared_mass;
+    if (rests) motion.stress[k] = std::min(motion.stress[k], curves_[k].yield_stress);
     motion.rate.push_back(curves_[k].scaled_rate(motion.stress[k]).value());
   }
   motion.velocity = velocity(motion.rate);
@@ -113,7 +143,8 @@ Profile DiscreteLayer::profile(const Motion& motion) const {
   const auto climb = [&](std::size_t face, double mass) {
     z += mass / curves_[face].volume_fraction(q[face]);
   };
-  profile.rows[0] = row(layer_.mass, 0.0, n - 1, n - 1);
+  profile.rows[0] =
+      row(layer_.mass, layer_.slip_length * curves_[n - 1].shear_rate(q[n - 1]), n - 1, n - 1);
   for (std::size_t k = n; k-- > 0;) {
     climb(k, grid_.distance[k]);
     profile.rows[n - k] = row(grid_.centre[k], motion.velocity[k], k == 0 ? 0 : k - 1, k);
@@ -134,9 +165,9 @@ Profile DiscreteLayer::profile(const Motion& motion) const {
 }
 
 DiscreteLayer::PlugEdge DiscreteLayer::plug_edge(std::span<const double> stress) const {
-  const auto excess = [&](std::size_t k) { return stress[k] - curves_[k].yield_stress; };
-  std::size_t k = cells();  // lowest face that does not yield, counted from 1
-  while (k > 0 && excess(k - 1) > 0.0) --k;
+  const auto excess = [&](std::size_t k) { return std::abs(stress[k]) - curves_[k].yield_stress; };
+  std::size_t k = 0;  // the highest face that yields
+  while (k < cells() && excess(k) <= 0.0) ++k;
   if (k == 0) return {};
   if (k == cells()) return {layer_.mass, 0.0};
   const double above = excess(k - 1);

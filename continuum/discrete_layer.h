@@ -50,6 +50,12 @@ class DiscreteLayer {
   /// wherever the stress stays below yield.
   Motion rest() const;
 
+  /// Velocity of the lowest cell over a base face that shears with q, slip included, its slope, and
+  /// the inverse.
+  double base_velocity(double q) const;
+  double base_velocity_slope(double q) const;
+  double base_rate(double velocity) const;
+
   double mean_velocity(const Motion& motion) const;  ///< of the mass
   double largest_inertial_number(std::span<const double> q) const;
   /// Response of the surface velocity to the drive, du_s / d(g sin(theta)) = int M / (K tau') dM

@@ -6,6 +6,8 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "continuum/walled_layer.h"
+
 namespace grainlaw::continuum {
 namespace {
 
@@ -23,6 +25,14 @@ void check(const ChuteCase& chute) {
   const double adhesion = chute.grains.adhesion.value_or(0.0);
   if (!(std::isfinite(adhesion) && adhesion >= 0.0))
     throw std::invalid_argument(fmt::format("adhesion = {} must not be negative", adhesion));
+  if (!(std::isfinite(chute.slip_length) && chute.slip_length >= 0.0))
+    throw std::invalid_argument(
+        fmt::format("slip_length = {} must not be negative", chute.slip_length));
+  if (chute.walls) {
+    require_positive("width between side walls", chute.walls->width);
+    require_positive("friction of side walls", chute.walls->friction);
+    require_positive("pressure_ratio of side walls", chute.walls->pressure_ratio);
+  }
   // cos(pi/2) is 6e-17 in double: what remains of the pressure there is rounding
   if (!(std::abs(chute.inclination) < 0.5 * std::numbers::pi - 1e-12))
     throw std::invalid_argument(fmt::format(
@@ -146,6 +156,9 @@ Layer make_layer(const RheologyTable& table, const ChuteCase& chute) {
                     base.mass_below,
                     base.mass_below * units.mass_per_area));
   const double inclination = std::abs(chute.inclination);
+  const double wall_drag =
+      chute.walls ? 2.0 * chute.walls->friction * chute.walls->pressure_ratio * d / chute.walls->width
+                  : 0.0;
   return {.law = dimensionless(table.law, units),
           .grains = dimensionless(chute.grains, units),
           .units = units,
@@ -154,7 +167,9 @@ Layer make_layer(const RheologyTable& table, const ChuteCase& chute) {
           .sine = std::sin(inclination),
           .cosine = std::cos(inclination),
           .mass = mass,
-          .base_height = base.no_slip_height};
+          .base_height = base.no_slip_height,
+          .slip_length = chute.slip_length / d,
+          .wall_drag = wall_drag};
 }
 
 double condition_number(const Layer& layer, double tau) {
@@ -171,6 +186,7 @@ bool no_friction_left(const Layer& layer) {
 }
 
 Verdict steady_verdict(const Layer& layer) {
+  if (layer.wall_drag > 0.0) return walled_verdict(layer);
   const FlowCurve base = layer.curve(layer.mass);
   const double tau = layer.driving_stress(layer.mass);
   if (no_friction_left(layer))

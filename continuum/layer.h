@@ -32,9 +32,15 @@ struct Layer {
   double cosine = 1.0;
   double mass = 0.0;         ///< M1 above the effective base
   double base_height = 0.0;  ///< z of u = 0
+  double slip_length = 0.0;
+  double wall_drag = 0.0;  ///< 2 mu_w K / W of side walls; 0: none
 
   double pressure(double mass_above) const { return cosine * mass_above; }
   double driving_stress(double mass_above) const { return sine * mass_above; }
+  /// Deceleration that side walls exert on all that moves.
+  double wall_deceleration(double mass_above, double volume_fraction) const {
+    return wall_drag * pressure(mass_above) / volume_fraction;
+  }
   FlowCurve curve(double mass_above) const;
   /// Mass at which quantities with a limit at the free surface are evaluated instead of at 0.
   double surface_mass() const { return 1e-30 * mass; }

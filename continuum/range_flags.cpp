@@ -38,7 +38,8 @@ void flag(std::vector<RangeFlag>& flags,
   Met met;
   for (std::size_t i = 0; i < profile.rows.size(); ++i) {
     const ProfileRow& row = profile.rows[i];
-    if (row.mass_above <= profile.plug_mass || row.pressure <= 0.0) continue;
+    if (row.mass_above <= profile.plug_mass || row.pressure <= 0.0 || row.shear_rate == 0.0)
+      continue;  // neither plug nor what rests at the base shears
     met.add(value(row), row_mass(profile.rows, i), range);
   }
   if (met.mass_outside > 0.0)

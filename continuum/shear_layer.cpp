@@ -43,11 +43,14 @@ void ShearLayer::rate(double, std::span<const double> q, std::span<double> dqdt)
     stress_above = stress_below;
     acceleration_above = here;
   }
-  dqdt.back() = curve(cells() - 1).mobility * acceleration_above / grid().distance.back();
+  dqdt.back() = acceleration_above / discrete().base_velocity_slope(q.back());
 }
 
 void ShearLayer::jacobian(double, std::span<const double> q, BandView matrix) const {
-  const auto factor = [&](std::size_t k) { return curve(k).mobility / grid().distance[k]; };
+  const auto factor = [&](std::size_t k) {
+    return k + 1 < cells() ? curve(k).mobility / grid().distance[k]
+                           : 1.0 / discrete().base_velocity_slope(q[k]);
+  };
   for (std::size_t k = 0; k < cells(); ++k) {
     const double stiffness = slope(k, q[k]);  // d tau_k / d q_k: drags the cell above, drives below
     const double above = stiffness / grid().width[k];
@@ -71,8 +74,9 @@ std::string ShearLayer::component_name(std::size_t i) const {
 std::vector<double> ShearLayer::state(const Motion& motion) const {
   std::vector<double> q(cells());
   for (std::size_t k = 0; k < cells(); ++k) {
-    const double below = k + 1 < cells() ? motion.velocity[k + 1] : 0.0;
-    q[k] = curve(k).mobility * (motion.velocity[k] - below) / grid().distance[k];
+    q[k] = k + 1 < cells() ? curve(k).mobility * (motion.velocity[k] - motion.velocity[k + 1]) /
+                                 grid().distance[k]
+                           : discrete().base_rate(motion.velocity[k]);
   }
   return q;
 }

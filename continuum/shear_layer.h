@@ -8,7 +8,8 @@ namespace grainlaw::continuum {
 /// on u would let noise set the shear rate near the surface:
 ///     dq_k/dt = K_k (acceleration above - acceleration below) / distance_k.
 /// Unknown k belongs to the lower face of cell k; the base has u = 0. delta = 0 keeps tau(q -> 0+) =
-/// tau_y. With delta > 0 the yield stress is multiplied by q / sqrt(q^2 + delta^2)  (Bercovier and
+/// tau_y. A slip length lies in series with the lowest half cell; in the Jacobian its dependence on
+/// dilation is left out. With delta > 0 the yield stress is multiplied by q / sqrt(q^2 + delta^2)  (Bercovier and
 /// Engelman 1980), kept to study the error of that.
 class ShearLayer : public TransientSystem {
  public:

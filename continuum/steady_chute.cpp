@@ -11,6 +11,7 @@
 #include "continuum/layer.h"
 #include "continuum/range_flags.h"
 #include "continuum/steady_profile.h"
+#include "continuum/walled_layer.h"
 
 namespace grainlaw::continuum {
 namespace {
@@ -175,12 +176,17 @@ void check(const SteadyOptions& options) {
 }  // namespace
 
 Profile steady_profile(const Layer& layer, double plug_mass, const SteadyOptions& options) {
+  if (layer.wall_drag > 0.0) return walled_profile(layer, options.rows);
   const Quadrature quadrature(layer, plug_mass, options.panels);
   const auto mass_of_row = [&](int i) {
     return layer.mass * (options.rows - 1 - i) / (options.rows - 1);
   };
   Profile profile;
   Integrals sum;
+  const FlowCurve base = layer.curve(layer.mass);
+  sum.velocity = layer.slip_length *
+                 base.shear_rate(base.scaled_rate(layer.driving_stress(layer.mass)).value());
+  sum.flux = sum.velocity * layer.mass;
   profile.rows.reserve(static_cast<std::size_t>(options.rows));
   profile.rows.push_back(row_at(layer, layer.mass, sum));
   for (int i = 1; i < options.rows; ++i) {

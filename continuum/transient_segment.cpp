@@ -26,8 +26,9 @@ bool moves(const Motion& motion) {
 Motion held(const DiscreteLayer& discrete, Motion motion) {
   std::ranges::fill(motion.velocity, 0.0);
   std::ranges::fill(motion.rate, 0.0);
-  for (std::size_t k = 0; k < discrete.cells(); ++k)
-    motion.stress[k] = discrete.layer().driving_stress(discrete.grid().face[k]);
+  for (std::size_t k = 0; k < discrete.cells(); ++k)  // side walls carry what is above yield
+    motion.stress[k] = std::min(discrete.layer().driving_stress(discrete.grid().face[k]),
+                                discrete.curve(k).yield_stress);
   return motion;
 }
 
@@ -51,6 +52,7 @@ double longest_stop(const DiscreteLayer& discrete, const Motion& start) {
 }  // namespace
 
 bool may_rest_in_part(const Layer& layer) {
+  if (layer.wall_drag > 0.0) return true;
   const auto* law = std::get_if<MuPhi>(&layer.law);
   if (!law) return std::get<GeneralisedBagnold>(layer.law).tau_c > 0.0;
   if (law->friction.exponent) return true;

@@ -21,6 +21,10 @@ double critical_wave_speed(double mass, double elastic_time) {
 /// steady velocity that takes at most a quarter of its 3/2 power, 2.5e-7.
 constexpr double secant_share = 1e-4;
 
+/// In sqrt(g d): below it walls hold grains by less than their full friction, so what rests at them
+/// creeps by about this.
+constexpr double sticking_speed = 1e-6;
+
 constexpr std::size_t velocity_of(std::size_t cell) {
   return 2 * cell;
 }
@@ -60,10 +64,31 @@ double YieldingLayer::plastic_slope(double stress, std::size_t face) const {
 }
 
 double YieldingLayer::stress_rate(std::span<const double> y, std::size_t face) const {
-  const double below = face + 1 < cells() ? y[velocity_of(face + 1)] : 0.0;
-  const double gradient = (y[velocity_of(face)] - below) / grid().distance[face];
+  const double gradient =
+      face + 1 < cells()
+          ? (y[velocity_of(face)] - y[velocity_of(face + 1)]) / grid().distance[face]
+          : discrete().base_rate(y[velocity_of(face)]) / curve(face).mobility;
   return wave_speed_squared_ *
          (gradient - plastic_rate(y[stress_of(face)], face) / curve(face).mobility);
+}
+
+double YieldingLayer::wall_friction(std::span<const double> y, std::size_t cell) const {
+  const auto phi = [&](std::size_t face) {
+    return curve(face).volume_fraction(plastic_rate(y[stress_of(face)], face));
+  };
+  const double mean = 0.5 * (phi(cell) + phi(cell == 0 ? 0 : cell - 1));
+  return discrete().layer().wall_deceleration(grid().centre[cell], mean);
+}
+
+double YieldingLayer::wall_deceleration(std::span<const double> y, std::size_t cell) const {
+  const double u = y[velocity_of(cell)];
+  return wall_friction(y, cell) * u / std::hypot(u, sticking_speed);
+}
+
+double YieldingLayer::wall_slope(std::span<const double> y, std::size_t cell) const {
+  const double u = y[velocity_of(cell)];
+  const double speed = std::hypot(u, sticking_speed);
+  return wall_friction(y, cell) * (sticking_speed / speed) * (sticking_speed / speed) / speed;
 }
 
 void YieldingLayer::rate(double, std::span<const double> y, std::span<double> dydt) const {
@@ -72,6 +97,7 @@ void YieldingLayer::rate(double, std::span<const double> y, std::span<double> dy
     const double rate = stress_rate(y, k);
     const double below = y[stress_of(k)] + elastic_time_ * rate;
     dydt[velocity_of(k)] = drive() - (below - above) / grid().width[k];
+    if (discrete().layer().wall_drag > 0.0) dydt[velocity_of(k)] -= wall_deceleration(y, k);
     dydt[stress_of(k)] = rate;
     above = below;
   }
@@ -80,7 +106,11 @@ void YieldingLayer::rate(double, std::span<const double> y, std::span<double> dy
 void YieldingLayer::jacobian(double, std::span<const double> y, BandView matrix) const {
   for (std::size_t k = 0; k < cells(); ++k) {
     const std::size_t u = velocity_of(k), sigma = stress_of(k);
-    const double by_velocity = wave_speed_squared_ / grid().distance[k];
+    const double by_velocity =
+        k + 1 < cells()
+            ? wave_speed_squared_ / grid().distance[k]
+            : wave_speed_squared_ / curve(k).mobility /
+                  discrete().base_velocity_slope(discrete().base_rate(y[u]));
     const double by_stress =
         -wave_speed_squared_ * plastic_slope(y[sigma], k) / curve(k).mobility;
     /// d(stress rate below cell k) / d(unknown), once as the rate itself and, through the damping,
@@ -94,6 +124,7 @@ void YieldingLayer::jacobian(double, std::span<const double> y, BandView matrix)
     add(u, by_velocity, 0.0);
     if (k + 1 < cells()) add(velocity_of(k + 1), -by_velocity, 0.0);
     add(sigma, by_stress, 1.0);
+    if (discrete().layer().wall_drag > 0.0) matrix(u, u) -= wall_slope(y, k);
   }
 }
 

@@ -38,6 +38,11 @@ class YieldingLayer : public TransientSystem {
  private:
   /// Rate of the stress below a cell.
   double stress_rate(std::span<const double> y, std::size_t face) const;
+  /// Of side walls on a cell: all of it, against the motion, and its slope by the velocity (without
+  /// that of the volume fraction).
+  double wall_friction(std::span<const double> y, std::size_t cell) const;
+  double wall_deceleration(std::span<const double> y, std::size_t cell) const;
+  double wall_slope(std::span<const double> y, std::size_t cell) const;
   double plastic_rate(double stress, std::size_t face) const;
   double plastic_slope(double stress, std::size_t face) const;
 

@@ -108,7 +108,7 @@ TEST(V7Arrest, OfMuOfIStaysBelowTheBoundOfTheBaseFriction) {
        {std::pair{15.0, 315.0}, {18.0, 968.0}, {19.0, 3152.0}, {19.4, 32449.0}}) {
     const auto run = transient_chute(frictional,
                                      chute(theta, 29.75),
-                                     {.cells = 100, .inclination_before = 24 * degree});
+                                     {.cells = 50, .inclination_before = 24 * degree});
     ASSERT_EQ(run.answer.outcome, Outcome::arrested) << run.answer.text;
     EXPECT_LT(*run.answer.time, bound);
     EXPECT_GT(*run.answer.time, previous);
@@ -160,7 +160,7 @@ TEST(Start, OfACohesiveLayerComesOnceItsStressHasReachedYield) {
 
 TEST(Oscillation, AcrossReposeStartsAndStopsEveryTimeWithoutDrift) {
   constexpr int periods = 100;
-  TransientOptions options{.cells = 20, .relative_tolerance = 1e-4};
+  TransientOptions options{.cells = 10, .relative_tolerance = 1e-4};
   std::vector<double> rests;
   for (int i = 0; i < periods; ++i) {
     options.tilts.push_back({100.0 * i + 10.0, 23 * degree});

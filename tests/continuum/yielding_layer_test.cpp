@@ -132,7 +132,7 @@ TEST(ElastoViscoplasticFlow, MovesItsPlugAsARigidBlock) {
 
 TEST(ElastoViscoplasticFlow, CarriesABagnoldLawWithoutLinearTerm) {
   const auto table = table_of(bagnold_at_24_degrees(1.3, 0.0, 6.0));
-  const auto run = start_from_rest(table, chute(24, 29), {.cells = 100});
+  const auto run = start_from_rest(table, chute(24, 29), {.cells = 50});
   ASSERT_EQ(run.answer.outcome, Outcome::plug) << run.answer.text;
   EXPECT_NEAR(run.final_profile.surface_velocity,
               *run.quadrature_surface_velocity,

@@ -128,6 +128,118 @@ TEST(PowerLaw, FlowsAsBagnoldWithItsOwnInertialNumber) {
                 1e-13 * scale * std::pow(29.0, 1.5));
 }
 
+/// Side walls at constant density: tau / p = tan(theta) - mu_w K y / W, so mu(I) = mu0 + beta I
+/// flows down to y_f = W (tan(theta) - mu0) / (mu_w K) and rests below.
+TEST(V8SideWalls, LetTheClosedFormDepthFlowAndHoldTheRest) {
+  const double phi = 0.58, mu0 = 0.3530, beta = 0.6, theta = 24 * degree, K = 0.85;
+  MuPhi law = incompressible_spheres();
+  law.friction = {.mu0 = mu0, .beta = beta};
+  for (const double width : {60.0, 1000.0}) {  // the first leaves a part at rest
+    auto inclined = chute(24, 29);
+    inclined.walls = SideWalls{.width = width, .friction = 0.3, .pressure_ratio = K};
+    const auto steady = steady_chute(table_of(law), inclined);
+    ASSERT_EQ(steady.answer.outcome, Outcome::steady) << steady.answer.text;
+    const double m = 0.3 * K / width, drive = std::tan(theta) - mu0, k = phi * std::cos(theta);
+    const double depth = std::min(drive / m, 50.0);
+    const auto integral = [&](double y) {
+      return std::sqrt(k) / beta *
+             (2.0 / 3.0 * drive * std::pow(y, 1.5) - 0.4 * m * std::pow(y, 2.5));
+    };
+    const double surface = integral(depth);
+    for (const auto& row : steady.profile.rows) {
+      const double y = row.mass_above / phi;
+      EXPECT_NEAR(row.velocity, surface - integral(std::min(y, depth)), 1e-10 * surface);
+      EXPECT_EQ(row.shear_rate > 0.0, y > 0.0 && y <= depth * (1.0 + 1e-12));
+      EXPECT_NEAR(row.shear_stress, row.pressure * (std::tan(theta) - m * y), 1e-10 * 12.0);
+    }
+    EXPECT_NEAR(steady.profile.height, 50.0, 1e-10 * 50.0);
+    EXPECT_EQ(steady.answer.text.find("held by the walls") != std::string::npos, width == 60.0);
+  }
+}
+
+TEST(V8SideWalls, WithDilationAndInTimeAgreeWithTheMarchFromTheSurface) {
+  const auto table = table_of(frictional_spheres());
+  for (const GrainProperties& grains : {GrainProperties{}, GrainProperties{.adhesion = 1.0}}) {
+    auto inclined = chute(26, 29.75, grains);
+    inclined.walls = SideWalls{.width = 60.0, .friction = 0.3, .pressure_ratio = 0.85};
+    const auto steady = steady_chute(table, inclined);
+    const auto run = start_from_rest(table, inclined);
+    EXPECT_EQ(run.answer.outcome, steady.answer.outcome) << run.answer.text;
+    // grid: 1e-5, and an edge to the part at rest within a cell of 1/200
+    EXPECT_NEAR(run.final_profile.surface_velocity,
+                steady.profile.surface_velocity,
+                2e-4 * steady.profile.surface_velocity);
+    // grains that rest at the walls creep by the sticking speed
+    EXPECT_NEAR(run.final_profile.rows[3].velocity, 0.0, 1e-5);
+  }
+}
+
+TEST(V8SideWalls, FarApartChangeNothing) {
+  const auto table = table_of(frictional_spheres());
+  const GrainProperties cohesive{.stiffness = 381971.8634, .adhesion = 5.0};
+  const auto open = steady_chute(table, chute(24, 52.2, cohesive)).profile;
+  auto inclined = chute(24, 52.2, cohesive);
+  inclined.walls = SideWalls{.width = 1e14, .friction = 0.3};
+  const auto walled = steady_chute(table, inclined).profile;
+  // fourth order in 1000 steps, kink at Bo = 5 inside one
+  EXPECT_NEAR(walled.surface_velocity, open.surface_velocity, 1e-9 * open.surface_velocity);
+  EXPECT_NEAR(walled.height, open.height, 1e-7 * open.height);
+  EXPECT_NEAR(walled.flux, open.flux, 1e-9 * open.flux);
+  EXPECT_NEAR(walled.plug_mass, open.plug_mass, 1e-10);
+}
+
+TEST(SlipLength, AddsItsShareOfTheBaseShearRateToTheWholeProfile) {
+  for (const MuPhi& law : {frictional_spheres(), incompressible_spheres()}) {
+    const auto still = steady_chute(table_of(law), chute(24, 29)).profile;
+    auto inclined = chute(24, 29);
+    inclined.slip_length = 2.5;
+    const auto slipping = steady_chute(table_of(law), inclined).profile;
+    const double slip = 2.5 * still.rows.front().shear_rate;
+    for (std::size_t i = 0; i < still.rows.size(); ++i)
+      EXPECT_NEAR(slipping.rows[i].velocity, still.rows[i].velocity + slip, 1e-13 * 50.0);
+    EXPECT_NEAR(slipping.flux, still.flux + 29.0 * slip, 1e-12 * slipping.flux);
+    const auto run = start_from_rest(table_of(law), inclined);
+    EXPECT_EQ(run.answer.outcome, Outcome::steady) << run.answer.text;
+    EXPECT_NEAR(run.final_profile.surface_velocity,
+                slipping.surface_velocity,
+                1e-5 * slipping.surface_velocity);  // grid
+    EXPECT_NEAR(run.final_profile.rows.front().velocity, slip, 1e-7 * slip);  // residual
+  }
+}
+
+TEST(SlipLength, ActsOnACohesiveLayerToo) {
+  auto inclined = chute(24, 29);
+  inclined.slip_length = 2.5;
+  const auto table = table_of(bagnold_at_24_degrees(1.3, 0.8, 6.0));
+  const auto run = start_from_rest(table, inclined);
+  EXPECT_EQ(run.answer.outcome, Outcome::plug) << run.answer.text;
+  EXPECT_NEAR(run.final_profile.surface_velocity,
+              *run.quadrature_surface_velocity,
+              1e-4 * *run.quadrature_surface_velocity);
+}
+
+TEST(V13Limits, OfVanishingParametersAreTheSimplerLaws) {
+  const auto velocity = [](const auto& law, const GrainProperties& grains) {
+    return steady_chute(table_of(law), chute(24, 29, grains)).profile.surface_velocity;
+  };
+  const MuPhi full = frictional_spheres();
+  MuPhi rigid = full;
+  rigid.softness_friction.reset();
+  rigid.softness_volume_fraction.reset();
+  MuPhi cohesionless = full;
+  cohesionless.cohesion_friction.reset();
+  cohesionless.cohesion_volume_fraction.reset();
+  const double plain = velocity(full, {});
+  EXPECT_NEAR(velocity(rigid, {.stiffness = 1e4}), plain, 1e-12 * plain);  // k_n -> infinity
+  EXPECT_NEAR(velocity(full, {.adhesion = 1e-15}), plain, 1e-12 * plain);  // f_a -> 0
+  EXPECT_NEAR(velocity(cohesionless, {.adhesion = 1e-15}), plain, 1e-12 * plain);
+  const double bagnold = velocity(bagnold_at_24_degrees(1.3, 0, 0), {});
+  EXPECT_NEAR(velocity(bagnold_at_24_degrees(1.3, 0, 1e-14), {}), bagnold, 1e-12 * bagnold);
+  EXPECT_NEAR(velocity(bagnold_at_24_degrees(1.3, 1e-14, 0), {}), bagnold, 1e-12 * bagnold);
+  const double linear = velocity(bagnold_at_24_degrees(0, 0.8, 0), {});
+  EXPECT_NEAR(velocity(bagnold_at_24_degrees(1e-16, 0.8, 0), {}), linear, 1e-12 * linear);
+}
+
 struct LawDigits {
   GrainProperties grains;
   double surface_velocity, height, base_inertial_number;
