@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <optional>
 
 #include "apps/command_line.h"
 #include "apps/io/case_input.h"
@@ -96,9 +97,22 @@ void describe_transient(Summary& summary,
   namespace is = io::dimension;
   const std::string velocity = units.symbol(is::velocity);
   const std::string time = units.symbol(is::time);
-  summary.add(
-      "transient_outcome", "from rest (CVODE)", std::string(name(transient.answer.outcome)));
-  summary.add("transient_text", "  in words", transient.answer.text);
+  const auto& answer = transient.answer;
+  summary.add("transient_outcome", "in time (CVODE)", std::string(name(answer.outcome)));
+  summary.add("transient_text", "  in words", answer.text);
+  if (answer.time) {
+    const bool rest = answer.outcome == Outcome::arrested;
+    summary.add(rest ? "arrest_time" : "start_time",
+                rest ? "  at rest from t =" : "  started at t =",
+                *answer.time * units.time,
+                time);
+  }
+  if (transient.events.size() > 1) {
+    std::vector<std::string> events;
+    for (const continuum::ChuteEvent& event : transient.events)
+      events.push_back(fmt::format("{} {:.6g}", name(event.kind), event.time * units.time));
+    summary.add("events", "  events", events);
+  }
   for (const continuum::Snapshot& snapshot : transient.snapshots) {
     const double t = snapshot.time * units.time;
     summary.add(fmt::format("surface_velocity_at_{:.6g}", t),
@@ -110,6 +124,16 @@ void describe_transient(Summary& summary,
               "  at the end",
               transient.final_profile.surface_velocity * units.size(is::velocity),
               velocity);
+  if (transient.quadrature_surface_velocity && transient.time_to_steady) {
+    const double steady = *transient.quadrature_surface_velocity;
+    summary.add("quadrature_surface_velocity",
+                "  steady by quadrature",
+                steady * units.size(is::velocity),
+                velocity);
+    summary.add("difference_from_quadrature",
+                "  relative difference",
+                transient.final_profile.surface_velocity / steady - 1.0);
+  }
   if (transient.time_to_steady) {
     summary.add(
         "time_to_steady", "  within 1 % from t =", *transient.time_to_steady * units.time, time);
@@ -141,12 +165,14 @@ Summary check(const io::CaseFile& file, const continuum::RheologyTable& table) {
   const bool bagnold = std::holds_alternative<continuum::GeneralisedBagnold>(table.law);
   std::vector<std::string> left_out;
   if (file.question == io::Question::steady)
-    left_out.emplace_back("time loop (CVODE): steady state asked");
+    left_out.emplace_back("time loop (CVODE): answer = \"steady\"");
   if (!table.covariance) left_out.emplace_back("error band: the table states no errors");
   if (!table.base)
     left_out.emplace_back("effective no-slip height: the table has none, u = 0 at z = 0");
   if (!file.chute.grains.stiffness) left_out.emplace_back("softness: rigid grains");
   if (!file.chute.grains.adhesion) left_out.emplace_back("cohesion: no adhesion given");
+  if (!file.chute.walls) left_out.emplace_back("side walls: none given");
+  if (file.chute.slip_length == 0.0) left_out.emplace_back("slip at the base: none given");
   summary.add("case", "case", file.name);
   summary.add("tilt", "tilt", io::degrees(file.chute.inclination), "degrees");
   summary.add("law",
@@ -163,32 +189,66 @@ Summary check(const io::CaseFile& file, const continuum::RheologyTable& table) {
   return summary;
 }
 
-/// From rest: the answer, the profiles and the trust are those of the time integration.
-ExitCode predict_start(const Arguments& arguments,
-                       const io::CaseFile& file,
-                       const continuum::RheologyTable& table,
-                       Summary& summary,
-                       const CommonOptions& options) {
-  const auto transient = continuum::start_from_rest(table, file.chute, file.transient);
+void write_snapshots(const Arguments& arguments,
+                     const io::CaseFile& file,
+                     const continuum::TransientChute& transient) {
+  if (arguments.output.empty()) return;
+  for (const continuum::Snapshot& snapshot : transient.snapshots) {
+    write_profile(snapshot.profile,
+                  transient.answer,
+                  file.units,
+                  snapshot_path(arguments.output, snapshot.time * file.units.time));
+  }
+}
+
+[[noreturn]] void refuse(const continuum::Answer& answer) {
+  throw NoAnswer(std::string(name(answer.outcome)) + ": " + answer.text);
+}
+
+/// A flow in time: the answer, the profiles and the trust are those of the time integration.
+ExitCode predict_in_time(const Arguments& arguments,
+                         const io::CaseFile& file,
+                         const continuum::RheologyTable& table,
+                         Summary& summary,
+                         const CommonOptions& options) {
+  const auto transient = continuum::transient_chute(table, file.chute, file.transient);
   describe_transient(summary, transient, file.units);
   summary.add("trust", "trust", trust(transient.answer, table));
   if (!arguments.output.empty() && !transient.final_profile.rows.empty()) {
-    for (const continuum::Snapshot& snapshot : transient.snapshots) {
-      write_profile(snapshot.profile,
-                    transient.answer,
-                    file.units,
-                    snapshot_path(arguments.output, snapshot.time * file.units.time));
-    }
+    write_snapshots(arguments, file, transient);
     write_profile(transient.final_profile, transient.answer, file.units, arguments.output);
     summary.add("output", "profile at the end", arguments.output);
   }
   print(summary, options);
-  const Outcome outcome = transient.answer.outcome;
-  const bool no_flow_computed =
-      transient.final_profile.rows.empty() && outcome != Outcome::arrested;
-  if (outcome == Outcome::not_converged || no_flow_computed) {
-    throw NoAnswer(std::string(name(outcome)) + ": " + transient.answer.text);
+  if (transient.answer.outcome == Outcome::not_converged || transient.final_profile.rows.empty())
+    refuse(transient.answer);
+  return ExitCode::answered;
+}
+
+/// The steady flow: by quadrature, whose profile has the error band, and unless it is left out by
+/// time integration from rest, which knows nothing of the former.
+ExitCode predict_steady(const Arguments& arguments,
+                        const io::CaseFile& file,
+                        const continuum::RheologyTable& table,
+                        const continuum::SteadyChute& steady,
+                        Summary& summary,
+                        const CommonOptions& options) {
+  std::optional<continuum::TransientChute> transient;
+  if (file.question == io::Question::flow) {
+    transient = continuum::transient_chute(table, file.chute, file.transient);
+    describe_transient(summary, *transient, file.units);
+    write_snapshots(arguments, file, *transient);
+  } else {
+    summary.add("time_loop", "time loop", std::string("left out: answer = \"steady\""));
   }
+  summary.add("trust", "trust", trust(steady.answer, table));
+  if (!arguments.output.empty() && !steady.profile.rows.empty()) {
+    write_profile(steady.profile, steady.answer, file.units, arguments.output);
+    summary.add("output", "profile", arguments.output);
+  }
+  print(summary, options);
+  if (!flows(steady.answer.outcome)) refuse(steady.answer);
+  if (transient && !flows(transient->answer.outcome)) refuse(transient->answer);
   return ExitCode::answered;
 }
 
@@ -208,18 +268,9 @@ ExitCode predict(const Arguments& arguments, const CommonOptions& options) {
   continuum::add_error_band(steady, table, file.chute);
   Summary summary;
   describe(summary, steady.answer, steady.profile, file.units);
-  if (file.question == io::Question::start) {
-    return predict_start(arguments, file, table, summary, options);
-  }
-  summary.add("time_loop", "time loop", std::string("left out: only the steady state was asked"));
-  summary.add("trust", "trust", trust(steady.answer, table));
-  if (!arguments.output.empty() && !steady.profile.rows.empty()) {
-    write_profile(steady.profile, steady.answer, file.units, arguments.output);
-    summary.add("output", "profile", arguments.output);
-  }
-  print(summary, options);
-  if (flows(steady.answer.outcome)) return ExitCode::answered;
-  throw NoAnswer(std::string(name(steady.answer.outcome)) + ": " + steady.answer.text);
+  if (file.question == io::Question::start || file.question == io::Question::step)
+    return predict_in_time(arguments, file, table, summary, options);
+  return predict_steady(arguments, file, table, steady, summary, options);
 }
 
 }  // namespace

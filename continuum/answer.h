@@ -40,7 +40,7 @@ struct RangeFlag {
 
 struct Answer {
   Outcome outcome = Outcome::not_converged;
-  std::string text{};  ///< one sentence for a person, with the numbers that decide
+  std::string text{};            ///< one sentence for a person, with the numbers that decide
   std::optional<double> time{};  ///< of ARRESTED and START in a time-dependent flow [time]
   std::vector<RangeFlag> out_of_domain{};
   /// d ln I / d ln mu at the base: by how many percent the shear rate is off when the friction is

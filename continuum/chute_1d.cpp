@@ -143,8 +143,8 @@ Motion Transient::beginning() const {
   const Verdict verdict = steady_verdict(before);
   if (verdict.outcome == Outcome::arrested) return {};
   if (!flows(verdict.outcome))
-    throw std::invalid_argument(
-        "there is no steady flow to begin with at inclination_before: " + verdict.text);
+    throw std::invalid_argument("there is no steady flow to begin with at inclination_before: " +
+                                verdict.text);
   Motion motion =
       DiscreteLayer(before, MassGrid(before.mass, options_.cells, options_.grading)).steady();
   const double direction = before.direction * layer_.direction;
@@ -273,7 +273,8 @@ std::string Transient::regularised(const Segment& segment, const Segment::Result
       fmt::format("; yield stress regularised with delta = {:.1e}", segment.regularisation());
   const double surface = segment.discrete().profile(end.motion).surface_velocity;
   if (segment.verdict().outcome == Outcome::arrested)
-    return text + fmt::format(", so it never stops: the surface creeps at {:.2g} sqrt(g d)", surface);
+    return text +
+           fmt::format(", so it never stops: the surface creeps at {:.2g} sqrt(g d)", surface);
   if (end.end == End::steady) {
     const Profile exact = steady_profile(layer_, segment.verdict().plug_mass, {.rows = 2});
     text += fmt::format(", which with the grid changes the surface velocity by {:+.2g} %",
@@ -288,8 +289,7 @@ void Transient::finish(const Segment& segment, const Segment::Result& end) {
   result_.final_profile = in_case_units(layer_, last);
   result_.end_time = end.time * layer_.units.time;
   result_.residual = layer_.sine > 0.0 ? end.largest_acceleration / layer_.sine : 0.0;
-  if (end.end == End::steady)
-    result_.time_to_steady = time_to_steady(history_) * layer_.units.time;
+  if (end.end == End::steady) result_.time_to_steady = time_to_steady(history_) * layer_.units.time;
   if (flows(verdict.outcome))
     result_.quadrature_surface_velocity =
         in_case_units(layer_, steady_profile(layer_, verdict.plug_mass, {.rows = 2}))
@@ -297,8 +297,7 @@ void Transient::finish(const Segment& segment, const Segment::Result& end) {
   result_.answer = {.outcome = outcome(segment, end.end),
                     .text = text(segment, end, last),
                     .out_of_domain = range_flags(layer_, table_, last),
-                    .condition_number =
-                        condition_number(layer_, last.rows.front().shear_stress)};
+                    .condition_number = condition_number(layer_, last.rows.front().shear_stress)};
   result_.answer.time = answer_time(result_.answer.outcome);
 }
 

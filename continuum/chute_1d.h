@@ -117,16 +117,16 @@ struct TransientChute {
   SolverStatistics statistics;
 };
 
-/// Time-dependent flow of the layer, du/dt = g sin(theta) - dtau/dM, by the method of lines and CVODE
-/// (BDF, banded analytic Jacobian): the start from rest, or what follows the steady flow of another
-/// tilt. Where part of the layer may rest while another shears, unyielded grains are elastic, so
-/// plug, arrest and rest are exact; else the state is the scaled shear rate. Rows at the base, the
-/// cell centres and the surface; second order in 1/cells without a plug. A layer at rest below repose
-/// is ARRESTED at once; one whose softness takes all friction is NO_STEADY without a profile. From
-/// rest at one tilt shear rates only rise (the equation is parabolic and its rate starts positive),
-/// so the range flags of the state at the end tell the highest I and the lowest phi of the whole run.
-/// A failure of CVODE is NOT_CONVERGED; the text names place, variable and time.
-/// Throws TableError and std::invalid_argument like steady_chute.
+/// Time-dependent flow of the layer, du/dt = g sin(theta) - dtau/dM, by the method of lines and
+/// CVODE (BDF, banded analytic Jacobian): the start from rest, or what follows the steady flow of
+/// another tilt. Where part of the layer may rest while another shears, unyielded grains are
+/// elastic, so plug, arrest and rest are exact; else the state is the scaled shear rate. Rows at
+/// the base, the cell centres and the surface; second order in 1/cells without a plug. A layer at
+/// rest below repose is ARRESTED at once; one whose softness takes all friction is NO_STEADY
+/// without a profile. From rest at one tilt shear rates only rise (the equation is parabolic and
+/// its rate starts positive), so the range flags of the state at the end tell the highest I and the
+/// lowest phi of the whole run. A failure of CVODE is NOT_CONVERGED; the text names place, variable
+/// and time. Throws TableError and std::invalid_argument like steady_chute.
 TransientChute transient_chute(const RheologyTable& table,
                                const ChuteCase& chute,
                                const TransientOptions& options = {});

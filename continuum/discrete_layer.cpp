@@ -26,8 +26,8 @@ std::vector<double> DiscreteLayer::velocity(std::span<const double> q) const {
   std::vector<double> u(cells());
   double sum = 0.0;
   for (std::size_t k = cells(); k-- > 0;)
-    u[k] = sum += k + 1 == cells() ? base_velocity(q[k])
-                                   : q[k] / curves_[k].mobility * grid_.distance[k];
+    u[k] = sum +=
+        k + 1 == cells() ? base_velocity(q[k]) : q[k] / curves_[k].mobility * grid_.distance[k];
   return u;
 }
 
@@ -155,8 +155,7 @@ Profile DiscreteLayer::profile(const Motion& motion) const {
   profile.rows[n].shear_rate = 0.5 * curves_[0].shear_rate(q[0]);
   climb(0, grid_.centre[0]);
   profile.height = z;
-  profile.surface_velocity =
-      motion.velocity[0] + q[0] / curves_[0].mobility * grid_.centre[0];
+  profile.surface_velocity = motion.velocity[0] + q[0] / curves_[0].mobility * grid_.centre[0];
   profile.rows[n + 1] = row(0.0, profile.surface_velocity, 0, 0);
   profile.rows[n + 1].shear_stress = 0.0;
   profile.rows[n + 1].shear_rate = 0.0;

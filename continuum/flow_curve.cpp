@@ -28,8 +28,8 @@ StressResponse response(const Law& law,
                         double shear_rate,
                         double pressure) {
   using Number = Dual<2>;
-  const Number tau = shear_stress(
-      law, grains, Number::variable(shear_rate, 0), Number::variable(pressure, 1));
+  const Number tau =
+      shear_stress(law, grains, Number::variable(shear_rate, 0), Number::variable(pressure, 1));
   return {tau.value, tau.slope[0], tau.slope[1]};
 }
 

@@ -14,8 +14,8 @@ namespace grainlaw::continuum {
 /// Generalised Bagnold: K = rho_p phi, so q = gd, and k = 0. Laws mu(I), phi(I): with
 /// K = d sqrt(rho_p/p) rho_p phi_s, where phi_s is phi at I -> 0, the dilation phi = phi_s
 /// (1 - I/I_phi) solves in closed form, I = q / (1 + q/I_phi), and a = 0, b = p f_p f_B beta. So
-/// I < I_phi and phi > 0 hold for every q. A law in x = I^n with n other than 1 has the viscous part
-/// b x / (1 + kappa x) instead. Units d = rho_p = g = 1.
+/// I < I_phi and phi > 0 hold for every q. A law in x = I^n with n other than 1 has the viscous
+/// part b x / (1 + kappa x) instead. Units d = rho_p = g = 1.
 struct FlowCurve {
   double mobility = 1.0;      ///< K
   double yield_stress = 0.0;  ///< tau_y

@@ -156,9 +156,9 @@ Layer make_layer(const RheologyTable& table, const ChuteCase& chute) {
                     base.mass_below,
                     base.mass_below * units.mass_per_area));
   const double inclination = std::abs(chute.inclination);
-  const double wall_drag =
-      chute.walls ? 2.0 * chute.walls->friction * chute.walls->pressure_ratio * d / chute.walls->width
-                  : 0.0;
+  const double wall_drag = chute.walls ? 2.0 * chute.walls->friction * chute.walls->pressure_ratio *
+                                             d / chute.walls->width
+                                       : 0.0;
   return {.law = dimensionless(table.law, units),
           .grains = dimensionless(chute.grains, units),
           .units = units,

@@ -32,9 +32,9 @@ enum class SoftnessForm { square_root, linear };
 /// in a fit.
 namespace laws {
 
-/// mu(I) = mu0 + beta x / (1 + kappa x), x = I^exponent; exponent absent: 1. kappa = 0 is the linear
-/// law or the power law; otherwise mu_inf = mu0 + beta / kappa and, with x = I, I_mu = 1 / kappa
-/// (Shi et al. 2020, eq. 1A).
+/// mu(I) = mu0 + beta x / (1 + kappa x), x = I^exponent; exponent absent: 1. kappa = 0 is the
+/// linear law or the power law; otherwise mu_inf = mu0 + beta / kappa and, with x = I, I_mu = 1 /
+/// kappa (Shi et al. 2020, eq. 1A).
 template <class S>
 struct InertialFriction {
   S mu0{};
@@ -215,8 +215,8 @@ Mixed<S, T> friction(const laws::InertialFriction<S>& law, const T& I) {
   return inertial_friction(law.mu0, law.beta, law.kappa, pow(I, *law.exponent));
 }
 
-/// f_p: 1 where the law has no such term. Not positive where softness takes all friction and the law
-/// has left physics.
+/// f_p: 1 where the law has no such term. Not positive where softness takes all friction and the
+/// law has left physics.
 template <class S, class T>
 Mixed<S, T> softness_factor(const laws::MuPhi<S>& law, const ConfinementOf<T>& at) {
   const auto& soft = law.softness_friction;

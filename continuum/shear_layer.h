@@ -4,13 +4,13 @@
 
 namespace grainlaw::continuum {
 
-/// Layer whose faces all shear forwards, with the scaled shear rate q as the state, since a tolerance
-/// on u would let noise set the shear rate near the surface:
+/// Layer whose faces all shear forwards, with the scaled shear rate q as the state, since a
+/// tolerance on u would let noise set the shear rate near the surface:
 ///     dq_k/dt = K_k (acceleration above - acceleration below) / distance_k.
-/// Unknown k belongs to the lower face of cell k; the base has u = 0. delta = 0 keeps tau(q -> 0+) =
-/// tau_y. A slip length lies in series with the lowest half cell; in the Jacobian its dependence on
-/// dilation is left out. With delta > 0 the yield stress is multiplied by q / sqrt(q^2 + delta^2)  (Bercovier and
-/// Engelman 1980), kept to study the error of that.
+/// Unknown k belongs to the lower face of cell k; the base has u = 0. delta = 0 keeps tau(q -> 0+)
+/// = tau_y. A slip length lies in series with the lowest half cell; in the Jacobian its dependence
+/// on dilation is left out. With delta > 0 the yield stress is multiplied by q / sqrt(q^2 +
+/// delta^2)  (Bercovier and Engelman 1980), kept to study the error of that.
 class ShearLayer : public TransientSystem {
  public:
   ShearLayer(DiscreteLayer discrete, double delta);

@@ -50,7 +50,8 @@ struct Substitution {
 
 /// In the sheared part: s = gd for the generalised Bagnold law, which makes the integrands
 /// polynomials, and s = sqrt(M) for mu(I) laws, whose terms are analytic in sqrt(p). A power law
-/// makes I ~ (M - M_c)^(1/n) at the edge of a plug: s is the fourth root of the distance from there.
+/// makes I ~ (M - M_c)^(1/n) at the edge of a plug: s is the fourth root of the distance from
+/// there.
 Substitution sheared(const Layer& layer, double plug_mass) {
   if (const auto* law = std::get_if<GeneralisedBagnold>(&layer.law))
     return {.origin = plug_mass, .linear = law->b, .quadratic = law->a, .scale = layer.sine};
@@ -116,7 +117,8 @@ class Quadrature {
       breaks_.push_back(kink);
       const double panel = std::min(0.1 * layer_.mass, sheared_panel_ * sheared_panel_);
       const double first = plug_mass_ > 0.0 ? std::min(plug_mass_, kink) : kink;
-      for (double at = first; at < 0.5 * layer_.mass && at < 16.0 * panel; at *= std::numbers::sqrt2)
+      for (double at = first; at < 0.5 * layer_.mass && at < 16.0 * panel;
+           at *= std::numbers::sqrt2)
         breaks_.push_back(std::numbers::sqrt2 * at);
     }
     std::sort(breaks_.begin(), breaks_.end());

@@ -39,8 +39,8 @@ double flow_time(const DiscreteLayer& discrete, const Motion& start, double rela
   return relaxation_time > 0.0 ? std::min(relaxation_time, gravity_time) : gravity_time;
 }
 
-/// Twice the time in which a block as fast as the surface stops: its base yields at least, while the
-/// layers above, once the base rests, brake each other no less for the stress they can carry.
+/// Twice the time in which a block as fast as the surface stops: its base yields at least, while
+/// the layers above, once the base rests, brake each other no less for the stress they can carry.
 double longest_stop(const DiscreteLayer& discrete, const Motion& start) {
   const Layer& layer = discrete.layer();
   const double brake = discrete.curve(discrete.cells() - 1).yield_stress / layer.mass - layer.sine;
@@ -70,8 +70,8 @@ Segment::Segment(const Layer& layer, const TransientOptions& options, Motion sta
     settling_time_ = relaxation_time * std::log(1.0 / options.steady_residual);
   }
   delta_ = options.yield_regularisation;
-  const bool yields_exactly = verdict_.outcome == Outcome::arrested || may_rest_in_part(layer) ||
-                              moves_backwards(start_);
+  const bool yields_exactly =
+      verdict_.outcome == Outcome::arrested || may_rest_in_part(layer) || moves_backwards(start_);
   if (delta_ == 0.0 && yields_exactly) {
     elastic_time_ = options.elastic_time > 0.0
                         ? options.elastic_time
@@ -116,18 +116,17 @@ Segment::Result Segment::run(double begin,
   if (at_rest()) return rest(begin, end, observer);
   if (!moves(start_) && elastic_time_ == 0.0) observer.happened(ChuteEvent::Kind::start, begin);
   const std::vector<double> state = system_->state(start_);
-  OdeSolver solver(*system_,
-                   state,
-                   {.relative_tolerance = options_.relative_tolerance,
-                    // shear rates are of the order of 0.1, velocities and stresses of 10
-                    .absolute_tolerance =
-                        options_.absolute_tolerance * (elastic_time_ > 0.0 ? 100.0 : 1.0),
-                    .start_time = begin,
-                    .end_time = end,
-                    // above the largest friction I -> I_phi is part of accelerating for ever
-                    .stop_at_event =
-                        elastic_time_ > 0.0 || verdict_.outcome != Outcome::no_steady,
-                    .time_unit = " sqrt(d/g)"});
+  OdeSolver solver(
+      *system_,
+      state,
+      {.relative_tolerance = options_.relative_tolerance,
+       // shear rates are of the order of 0.1, velocities and stresses of 10
+       .absolute_tolerance = options_.absolute_tolerance * (elastic_time_ > 0.0 ? 100.0 : 1.0),
+       .start_time = begin,
+       .end_time = end,
+       // above the largest friction I -> I_phi is part of accelerating for ever
+       .stop_at_event = elastic_time_ > 0.0 || verdict_.outcome != Outcome::no_steady,
+       .time_unit = " sqrt(d/g)"});
   Result result;
   try {
     result = integrate(solver, begin, may_stop, observer);

@@ -10,9 +10,9 @@
 
 namespace grainlaw::continuum {
 
-/// Whether part of a layer may rest while other parts shear: a yield stress that is not proportional
-/// to the depth (a proportional one lets the whole layer start as one block), or a viscous stress
-/// too steep at rest for the shear rate to be the state.
+/// Whether part of a layer may rest while other parts shear: a yield stress that is not
+/// proportional to the depth (a proportional one lets the whole layer start as one block), or a
+/// viscous stress too steep at rest for the shear rate to be the state.
 bool may_rest_in_part(const Layer& layer);
 
 /// Why an integration ended.

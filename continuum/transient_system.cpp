@@ -16,10 +16,11 @@ double TransientSystem::largest_acceleration(std::span<const double> state,
 }
 
 std::string TransientSystem::face_name(std::size_t face) const {
-  return fmt::format("the lower face of cell {} of {} (from the surface), mass above {:.4g} rho_p d",
-                     face + 1,
-                     cells(),
-                     grid().face[face]);
+  return fmt::format(
+      "the lower face of cell {} of {} (from the surface), mass above {:.4g} rho_p d",
+      face + 1,
+      cells(),
+      grid().face[face]);
 }
 
 }  // namespace grainlaw::continuum

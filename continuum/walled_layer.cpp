@@ -176,8 +176,7 @@ WalledFlow walled_flow(const Layer& layer, std::span<const double> masses) {
 Profile walled_profile(const Layer& layer, int rows) {
   const WalledFlow flow = walled_flow(layer, row_masses(layer, rows));
   const WalledPoint& base = flow.points.back();
-  const double slip =
-      layer.slip_length * flow_at(layer, base.mass, base.stress).shear_rate;
+  const double slip = layer.slip_length * flow_at(layer, base.mass, base.stress).shear_rate;
   Profile profile;
   for (std::size_t i = flow.points.size(); i-- > 0;) {
     const WalledPoint& point = flow.points[i];

@@ -16,9 +16,9 @@ double critical_wave_speed(double mass, double elastic_time) {
   return 4.0 * mass / (std::numbers::pi * elastic_time);
 }
 
-/// Where b = 0, dq/dsigma is infinite at yield, which no Newton iteration stands. Up to this share of
-/// the stress at the base above yield, q(sigma) of a quadratic law is replaced by its secant. Of the
-/// steady velocity that takes at most a quarter of its 3/2 power, 2.5e-7.
+/// Where b = 0, dq/dsigma is infinite at yield, which no Newton iteration stands. Up to this share
+/// of the stress at the base above yield, q(sigma) of a quadratic law is replaced by its secant. Of
+/// the steady velocity that takes at most a quarter of its 3/2 power, 2.5e-7.
 constexpr double secant_share = 1e-4;
 
 /// In sqrt(g d): below it walls hold grains by less than their full friction, so what rests at them
@@ -65,9 +65,8 @@ double YieldingLayer::plastic_slope(double stress, std::size_t face) const {
 
 double YieldingLayer::stress_rate(std::span<const double> y, std::size_t face) const {
   const double gradient =
-      face + 1 < cells()
-          ? (y[velocity_of(face)] - y[velocity_of(face + 1)]) / grid().distance[face]
-          : discrete().base_rate(y[velocity_of(face)]) / curve(face).mobility;
+      face + 1 < cells() ? (y[velocity_of(face)] - y[velocity_of(face + 1)]) / grid().distance[face]
+                         : discrete().base_rate(y[velocity_of(face)]) / curve(face).mobility;
   return wave_speed_squared_ *
          (gradient - plastic_rate(y[stress_of(face)], face) / curve(face).mobility);
 }
@@ -106,13 +105,11 @@ void YieldingLayer::rate(double, std::span<const double> y, std::span<double> dy
 void YieldingLayer::jacobian(double, std::span<const double> y, BandView matrix) const {
   for (std::size_t k = 0; k < cells(); ++k) {
     const std::size_t u = velocity_of(k), sigma = stress_of(k);
-    const double by_velocity =
-        k + 1 < cells()
-            ? wave_speed_squared_ / grid().distance[k]
-            : wave_speed_squared_ / curve(k).mobility /
-                  discrete().base_velocity_slope(discrete().base_rate(y[u]));
-    const double by_stress =
-        -wave_speed_squared_ * plastic_slope(y[sigma], k) / curve(k).mobility;
+    const double by_velocity = k + 1 < cells()
+                                   ? wave_speed_squared_ / grid().distance[k]
+                                   : wave_speed_squared_ / curve(k).mobility /
+                                         discrete().base_velocity_slope(discrete().base_rate(y[u]));
+    const double by_stress = -wave_speed_squared_ * plastic_slope(y[sigma], k) / curve(k).mobility;
     /// d(stress rate below cell k) / d(unknown), once as the rate itself and, through the damping,
     /// in the balances of the cells above (-) and below (+) the face.
     const auto add = [&](std::size_t unknown, double slope, double direct) {
@@ -168,7 +165,9 @@ Motion YieldingLayer::motion(std::span<const double> state) const {
   for (std::size_t k = 0; k < cells(); ++k) {
     motion.velocity.push_back(state[velocity_of(k)]);
     motion.stress.push_back(state[stress_of(k)]);
-    motion.rate.push_back(plastic_rate(motion.stress[k], k));
+    // a state that the solver failed at may have a stress beyond the law: no rate belongs to it
+    const double stress = std::abs(motion.stress[k]);
+    motion.rate.push_back(curve(k).scaled_rate(stress) ? plastic_rate(motion.stress[k], k) : 0.0);
   }
   return motion;
 }

@@ -5,8 +5,8 @@
 namespace grainlaw::continuum {
 
 /// Elasto-viscoplastic layer: below yield it strains elastically, so that a plug, an arrest in
-/// finite time and rest are exact without any regularised yield stress. Unknowns are the velocity of
-/// every cell and the stress sigma at its lower face:
+/// finite time and rest are exact without any regularised yield stress. Unknowns are the velocity
+/// of every cell and the stress sigma at its lower face:
 ///     du/dt     = sin(theta) - d(sigma + t_e dsigma/dt)/dM
 ///     dsigma/dt = G (K |du/dM| - Q(sigma)),     Q(sigma) = 0 for |sigma| <= tau_y.
 /// The steady state depends neither on G nor on t_e. Both follow from one time: G lets the slowest

@@ -28,14 +28,65 @@ void read_chute(Section& section, const Units& units, CaseFile& file) {
       {"depth", "height of the free surface above the base", units[dimension::length], positive});
   section.exactly_one_of({"mass_per_area", "depth"});
   file.chute.mass_per_area = mass.value_or(0.0);
+  file.chute.slip_length = section.read_or<double>(
+      {"slip_length", "L_s of u = L_s du/dz at the base", units[dimension::length], not_negative},
+      0.0,
+      "no slip");
+}
+
+void read_walls(InputFile& in, const Units& units, continuum::ChuteCase& chute) {
+  Section section =
+      in.optional_section("walls", "Side walls that the grains slide along; without it none");
+  if (!section.given()) return;
+  continuum::SideWalls walls;
+  walls.width =
+      section.read<double>({"width", "between the walls", units[dimension::length], positive});
+  walls.friction = section.read<double>({"friction", "mu_w of grains on a wall", {}, positive});
+  walls.pressure_ratio =
+      section.read<double>({"pressure_ratio",
+                            "sigma_yy / sigma_zz at the walls, about 0.85 in dense flow",
+                            {},
+                            positive});
+  chute.walls = walls;
+}
+
+/// Tilts that follow the first: two lists of equal length.
+void read_tilts(Section& section, const Unit& time, continuum::TransientOptions& options) {
+  const auto times = section.find<std::vector<double>>(
+      {"tilt_times", "the tilt changes at, ascending", time, positive}, "the tilt stays");
+  const auto tilts = section.find<std::vector<double>>(
+      {"tilts", "tilt from then on", {"degrees"}, between(-90.0, 90.0)}, "the tilt stays");
+  const std::size_t count = times ? times->size() : 0;
+  if (count != (tilts ? tilts->size() : 0)) {
+    section.problem(tilts ? "tilts" : "tilt_times", "tilt_times and tilts must be equally long");
+    return;
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    if (i > 0 && !((*times)[i] > (*times)[i - 1]))
+      section.problem("tilt_times", "the times of tilt_times must ascend");
+    options.tilts.push_back({(*times)[i], radians((*tilts)[i])});
+  }
+}
+
+Question question(Section& top) {
+  const std::string answer = top.choice(
+      {"answer",
+       "\"flow\": the steady flow, by time integration from rest and by quadrature; \"steady\": by "
+       "quadrature alone; \"start\": the time-dependent flow from rest; \"step\": that from the "
+       "steady flow of another tilt"},
+      {"flow", "steady", "start", "step"},
+      "flow");
+  if (answer == "steady") return Question::steady;
+  if (answer == "start") return Question::start;
+  return answer == "step" ? Question::step : Question::flow;
 }
 
 void read_transient(InputFile& in, const Units& units, CaseFile& file) {
   continuum::TransientOptions& options = file.transient;
   Section section =
-      in.optional_section("transient", "Start from rest; only with answer = \"start\"");
+      in.optional_section("transient", "Time integration; not with answer = \"steady\"");
   const Unit time = units[dimension::time];
-  const Key limit{"time_limit", "the start is followed up to here", time, positive};
+  const Key limit{"time_limit", "the flow is followed up to here", time, positive};
   options.time_limit =
       section.find<double>(limit, "from the relaxation time").value_or(options.time_limit);
   options.output_times =
@@ -48,6 +99,31 @@ void read_transient(InputFile& in, const Units& units, CaseFile& file) {
       options.relative_tolerance);
   options.cells = static_cast<int>(section.read_or<std::int64_t>(
       {"cells", "of the mass coordinate", {}, from_to(4, 100000)}, options.cells));
+  const auto delta = section.find<double>(
+      {"yield_regularisation",
+       "delta of tau_y q/sqrt(q^2 + delta^2) in place of an exact yield stress, to study its error",
+       {},
+       positive},
+      "yield is exact");
+  options.yield_regularisation = delta.value_or(0.0);
+  read_tilts(section, time, options);
+  const Key before{
+      "inclination_before",
+      "with answer = \"step\": the flow at the beginning is the steady one of this tilt",
+      {"degrees"},
+      between(-90.0, 90.0)};
+  const auto tilt_before = section.find<double>(before, "required with answer = \"step\"");
+  if (tilt_before) options.inclination_before = radians(*tilt_before);
+  if (file.question == Question::step && !tilt_before) section.report_missing(before);
+  if (file.question != Question::step && tilt_before) {
+    section.problem(
+        "inclination_before",
+        "'inclination_before' belongs to answer = \"step\": the layer starts from rest");
+  }
+  if (file.question == Question::flow && !options.tilts.empty()) {
+    section.problem("tilts",
+                    "a steady flow has one tilt: 'tilts' needs answer = \"start\" or \"step\"");
+  }
   if (section.given() && file.question == Question::steady) {
     section.problem("", "[transient] has no meaning with answer = \"steady\": leave it out");
   }
@@ -57,11 +133,7 @@ void read_question(InputFile& in, CaseFile& file) {
   Section top = in.top();
   file.name = top.read_or<std::string>(
       {"name", "of the case"}, in.path().stem().string(), "name of the file");
-  const std::string answer =
-      top.choice({"answer", "what is asked: the steady flow, or the start from rest of a chute"},
-                 {"steady", "start"},
-                 "steady");
-  file.question = answer == "start" ? Question::start : Question::steady;
+  file.question = question(top);
 }
 
 void read_chute_case(InputFile& in, CaseFile& file) {
@@ -70,6 +142,7 @@ void read_chute_case(InputFile& in, CaseFile& file) {
   read_question(in, file);
   read_grains(in, file.units, file.chute.grains);
   read_chute(chute, file.units, file);
+  read_walls(in, file.units, file.chute);
   read_transient(in, file.units, file);
 }
 
@@ -81,8 +154,8 @@ void read_other_case(InputFile& in, Section& geometry, CaseFile& file) {
   read_grains(in, file.units, grains);
   if (file.band) file.band->grains = grains;
   if (file.split_bottom) file.split_bottom->grains = grains;
-  if (file.question == Question::start)
-    in.top().problem("answer", "answer = \"start\" is known for a [chute] only");
+  if (file.question == Question::start || file.question == Question::step)
+    in.top().problem("answer", "answers in time are known for a [chute] only");
 }
 
 void read_keys(InputFile& in, CaseFile& file) {

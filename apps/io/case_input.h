@@ -12,7 +12,9 @@
 
 namespace grainlaw::io {
 
-enum class Question { steady, start };
+/// What is asked: the steady flow with its time-dependent path from rest, the steady flow alone, or
+/// a time-dependent flow as an answer of its own.
+enum class Question { flow, steady, start, step };
 
 /// Points of homogeneous shear: every combination of the numbers.
 struct SimpleShearCase {
@@ -28,7 +30,7 @@ struct CaseFile {
   std::optional<continuum::SplitBottomCase> split_bottom;  ///< a ring cell, no chute
   std::optional<SimpleShearCase> simple_shear;             ///< the law itself, no flow
   continuum::ChuteCase chute;  ///< mass_per_area is 0 when the depth is given instead
-  Question question = Question::steady;
+  Question question = Question::flow;
   continuum::TransientOptions transient;
   std::optional<double> depth;  ///< height of the free surface above the base plane [d]
   Units units;

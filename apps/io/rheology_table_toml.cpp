@@ -90,8 +90,8 @@ void read_friction_terms(InputFile& in, MuPhi& law) {
         cohesion.read<double>({"alpha", "(Shi et al. 2020, table 6)", {}, not_negative}),
         cohesion.read<double>({"beta", "exponent", {}, positive})};
   }
-  Section stress = in.optional_section(
-      "law.cohesion_stress", "tau = c0 + mu p, c0 = factor f_a/d^2, in place of f_B");
+  Section stress = in.optional_section("law.cohesion_stress",
+                                       "tau = c0 + mu p, c0 = factor f_a/d^2, in place of f_B");
   if (stress.given()) {
     law.cohesion_stress = {
         stress.read<double>({"factor", "c0 over the pull f_a/d^2", {}, not_negative})};

@@ -89,9 +89,9 @@ class ExactYield {
     std::vector<double> x = mismatch(stress_, dt), diagonal(n), upper(n);
     for (std::size_t k = 0; k < n; ++k) {
       const double below = k + 1 < n ? dt / width[k + 1] : 0.0;
-      diagonal[k] = slope(stress_[k], k) / discrete_.curve(k).mobility *
-                        discrete_.grid().distance[k] +
-                    dt / width[k] + below;
+      diagonal[k] =
+          slope(stress_[k], k) / discrete_.curve(k).mobility * discrete_.grid().distance[k] +
+          dt / width[k] + below;
       upper[k] = -below;
       x[k] = -x[k];
       if (k == 0) continue;

@@ -115,8 +115,7 @@ std::vector<MuPhi> families() {
 }
 
 TEST(LawFamilies, StressHasTheDerivativesOfFiniteDifferences) {
-  const GrainProperties grains{
-      .diameter = 0.7, .density = 2.5, .stiffness = 2e3, .adhesion = 0.9};
+  const GrainProperties grains{.diameter = 0.7, .density = 2.5, .stiffness = 2e3, .adhesion = 0.9};
   for (const MuPhi& law : families())
     for (const double p : {0.2, 3.0, 40.0})  // Bo beyond and below 5
       for (const double rate : {0.01, 0.8}) {

@@ -83,7 +83,9 @@ TEST(ShearLayer, RelaxationTimeOfALinearLawIsTheDiffusionTime) {
       shear_layer(table_of(bagnold_at_24_degrees(0, b, 0)), chute(24, phi * height), 400, 0.0);
   // int M / (K tau') dM = H^2 / (2 nu); the midpoint rule errs by (1.5 / 400)^2
   const double expected = height * height * phi / (2.0 * b);
-  EXPECT_NEAR(system.discrete().relaxation_time(system.discrete().steady().rate), expected, 1e-2 * expected);
+  EXPECT_NEAR(system.discrete().relaxation_time(system.discrete().steady().rate),
+              expected,
+              1e-2 * expected);
 }
 
 }  // namespace

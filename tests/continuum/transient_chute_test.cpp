@@ -21,7 +21,7 @@ TEST(TiltStep, LeadsToTheSteadyFlowOfTheNewTilt) {
     const double steady = steady_chute(frictional, chute(after, 52.2)).profile.surface_velocity;
     EXPECT_NEAR(run.quadrature_surface_velocity.value(), steady, 1e-13 * steady);
     EXPECT_NEAR(run.final_profile.surface_velocity, steady, 1e-5 * steady);  // grid: 5e-6 at 200
-    EXPECT_TRUE(run.events.empty());  // it never rested
+    EXPECT_TRUE(run.events.empty());                                         // it never rested
     EXPECT_GT(run.time_to_steady.value(), 0.0);
   }
 }
@@ -49,9 +49,8 @@ TEST(TiltStep, CarriesAPlugFromOneTiltToTheNext) {
 }
 
 TEST(TiltStep, RefusesToBeginWithAFlowThatDoesNotExist) {
-  EXPECT_THROW(
-      transient_chute(frictional, chute(24, 52.2), {.inclination_before = 40 * degree}),
-      std::invalid_argument);
+  EXPECT_THROW(transient_chute(frictional, chute(24, 52.2), {.inclination_before = 40 * degree}),
+               std::invalid_argument);
   const auto from_rest =
       transient_chute(frictional, chute(15, 52.2), {.inclination_before = 18 * degree});
   EXPECT_EQ(from_rest.answer.outcome, Outcome::arrested);
@@ -69,9 +68,8 @@ TEST(V7Arrest, StopsInTheFiniteTimeOfTheRigidMaterialAndRestsExactly) {
   std::vector<double> times;
   for (int i = 0; i <= 25; ++i) times.push_back(10.0 * i);
   times.push_back(300.0);
-  const auto run = transient_chute(cohesive_bagnold,
-                                   arresting(),
-                                   {.inclination_before = 24 * degree, .output_times = times});
+  const auto run = transient_chute(
+      cohesive_bagnold, arresting(), {.inclination_before = 24 * degree, .output_times = times});
   ASSERT_EQ(run.answer.outcome, Outcome::arrested) << run.answer.text;
   EXPECT_NEAR(run.answer.time.value(), 258.0, 0.3);
   ASSERT_EQ(run.events.size(), 1u);
@@ -106,9 +104,8 @@ TEST(V7Arrest, OfMuOfIStaysBelowTheBoundOfTheBaseFriction) {
   double previous = 0.0;
   for (const auto& [theta, bound] :
        {std::pair{15.0, 315.0}, {18.0, 968.0}, {19.0, 3152.0}, {19.4, 32449.0}}) {
-    const auto run = transient_chute(frictional,
-                                     chute(theta, 29.75),
-                                     {.cells = 50, .inclination_before = 24 * degree});
+    const auto run = transient_chute(
+        frictional, chute(theta, 29.75), {.cells = 50, .inclination_before = 24 * degree});
     ASSERT_EQ(run.answer.outcome, Outcome::arrested) << run.answer.text;
     EXPECT_LT(*run.answer.time, bound);
     EXPECT_GT(*run.answer.time, previous);
@@ -120,11 +117,10 @@ TEST(V7Arrest, OfMuOfIStaysBelowTheBoundOfTheBaseFriction) {
 
 TEST(V7Arrest, NeverComesWithARegularisedYieldStressWhichSaysHowFastItCreeps) {
   const double delta = 1e-2;
-  const auto run = transient_chute(frictional,
-                                   chute(18, 29.75),
-                                   {.inclination_before = 24 * degree,
-                                    .yield_regularisation = delta,
-                                    .time_limit = 1e5});
+  const auto run = transient_chute(
+      frictional,
+      chute(18, 29.75),
+      {.inclination_before = 24 * degree, .yield_regularisation = delta, .time_limit = 1e5});
   EXPECT_EQ(run.answer.outcome, Outcome::not_converged);
   EXPECT_NE(run.answer.text.find("creeps at 3"), std::string::npos) << run.answer.text;
   // q is uniform: mu0 q / sqrt(q^2 + delta^2) + beta q / (1 + k q) = tan(theta), a Bagnold profile

@@ -134,9 +134,11 @@ TEST(ElastoViscoplasticFlow, CarriesABagnoldLawWithoutLinearTerm) {
   const auto table = table_of(bagnold_at_24_degrees(1.3, 0.0, 6.0));
   const auto run = start_from_rest(table, chute(24, 29), {.cells = 50});
   ASSERT_EQ(run.answer.outcome, Outcome::plug) << run.answer.text;
+  // below the edge at 0.51 of the mass the shear rate starts with a square root, over which a cell
+  // of 0.024 errs by at most 0.3 (0.024 / 0.49)^1.5 of the whole
   EXPECT_NEAR(run.final_profile.surface_velocity,
               *run.quadrature_surface_velocity,
-              1e-3 * *run.quadrature_surface_velocity);
+              3.3e-3 * *run.quadrature_surface_velocity);
 }
 
 TEST(ElastoViscoplasticFlow, FollowsTheRigidViscoplasticOne) {
@@ -154,7 +156,8 @@ TEST(ElastoViscoplasticFlow, FollowsTheRigidViscoplasticOne) {
       surface[static_cast<std::size_t>(halving)] = exact.velocity().front();
     }
     const double extrapolated = 2.0 * surface[1] - surface[0];
-    // what is left of second order, and a lag of the elastic time at an acceleration below the drive
+    // what is left of second order, and a lag of the elastic time at an acceleration below the
+    // drive
     const double tolerance =
         std::abs(surface[1] - surface[0]) / 10.0 + 0.01 * std::sin(24 * degree);
     EXPECT_NEAR(run.snapshots[i].profile.rows[50].velocity, extrapolated, tolerance);

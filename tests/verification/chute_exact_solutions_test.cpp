@@ -97,8 +97,8 @@ TEST(V3CohesiveLinearLaw, HasTheElementaryProfileOverAPlug) {
 }
 
 /// The law of closure (A) that such a chute obeys: tau_c = c0 tan / (tan - mu0) and, with K =
-/// (tan - mu0) / beta and P_c = c0 / (tan - mu0), tau - tau_c = tan / (2 K^2) (gd^2 + gd sqrt(gd^2 +
-/// 4 K^2 P_c)): cohesion alone looks like a linear term.
+/// (tan - mu0) / beta and P_c = c0 / (tan - mu0), tau - tau_c = tan / (2 K^2) (gd^2 + gd sqrt(gd^2
+/// + 4 K^2 P_c)): cohesion alone looks like a linear term.
 TEST(V3CohesiveLinearLaw, LooksLikeAGeneralisedBagnoldLawOfItsTilt) {
   const double mu0 = 0.3530, beta = 0.6, c0 = 0.4, tangent = std::tan(24 * degree);
   MuPhi law = incompressible_spheres();
@@ -109,13 +109,15 @@ TEST(V3CohesiveLinearLaw, LooksLikeAGeneralisedBagnoldLawOfItsTilt) {
   for (const auto& row : profile.rows) {
     if (row.shear_rate == 0.0) continue;
     const double gd = row.shear_rate;
-    const double tau = c0 * tangent / (tangent - mu0) +
-                       tangent / (2.0 * K * K) * (gd * gd + gd * std::sqrt(gd * gd + 4 * K * K * P_c));
+    const double tau =
+        c0 * tangent / (tangent - mu0) +
+        tangent / (2.0 * K * K) * (gd * gd + gd * std::sqrt(gd * gd + 4 * K * K * P_c));
     EXPECT_NEAR(row.shear_stress, tau, 1e-12 * tau);
   }
 }
 
-/// mu = mu0 + A I^n at constant density, without cohesion: Bagnold's profile with the I of the tilt.
+/// mu = mu0 + A I^n at constant density, without cohesion: Bagnold's profile with the I of the
+/// tilt.
 TEST(PowerLaw, FlowsAsBagnoldWithItsOwnInertialNumber) {
   MuPhi law = incompressible_spheres();
   law.friction = {.mu0 = 0.3530, .beta = 0.4, .exponent = 0.7};
@@ -202,7 +204,7 @@ TEST(SlipLength, AddsItsShareOfTheBaseShearRateToTheWholeProfile) {
     EXPECT_EQ(run.answer.outcome, Outcome::steady) << run.answer.text;
     EXPECT_NEAR(run.final_profile.surface_velocity,
                 slipping.surface_velocity,
-                1e-5 * slipping.surface_velocity);  // grid
+                1e-5 * slipping.surface_velocity);                            // grid
     EXPECT_NEAR(run.final_profile.rows.front().velocity, slip, 1e-7 * slip);  // residual
   }
 }

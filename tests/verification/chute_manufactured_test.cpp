@@ -1,5 +1,5 @@
-// Time-dependent flow of the full law: a manufactured solution, and the free surface rebuilt from the
-// continuity equation on a fixed grid in z.
+// Time-dependent flow of the full law: a manufactured solution, and the free surface rebuilt from
+// the continuity equation on a fixed grid in z.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -84,9 +84,9 @@ TEST(V14ManufacturedSolution, IsSecondOrderInSpaceForTheFullLaw) {
     const MassGrid grid(mass, cells, 1.5);
     double error = 0.0;
     for (std::size_t k = 0; k < u.size(); ++k)
-      error = std::max(error,
-                       std::abs(u[k] - amplitude(10.0) * (std::pow(mass, 1.5) -
-                                                          std::pow(grid.centre[k], 1.5))));
+      error = std::max(
+          error,
+          std::abs(u[k] - amplitude(10.0) * (std::pow(mass, 1.5) - std::pow(grid.centre[k], 1.5))));
     if (previous > 0.0) {
       EXPECT_NEAR(std::log2(previous / error), 2.0, 0.1) << cells;
     }
@@ -113,9 +113,9 @@ TEST(V14ManufacturedSolution, HasATimeErrorProportionalToTheTolerance) {
   EXPECT_LT(slope, 1.1);
 }
 
-/// Height of the surface of a start at 30 degrees (it dilates) from the continuity equation on a grid
-/// fixed in z: dphi/dt = -dF/dz gives the flux F(z) below z, and the surface rises with the velocity
-/// w = F / phi just below it.
+/// Height of the surface of a start at 30 degrees (it dilates) from the continuity equation on a
+/// grid fixed in z: dphi/dt = -dF/dz gives the flux F(z) below z, and the surface rises with the
+/// velocity w = F / phi just below it.
 double rebuilt_height(const TransientChute& run) {
   const int bins = 4000;
   const double first = run.snapshots.front().profile.height;
@@ -148,9 +148,8 @@ double rebuilt_height(const TransientChute& run) {
 TEST(V12FreeSurface, RisesAsTheContinuityEquationOnAFixedGridSays) {
   std::vector<double> times;
   for (int i = 0; i <= 20; ++i) times.push_back(50.0 * i);
-  const auto run = start_from_rest(table_of(frictional_spheres()),
-                                   chute(30, 52.2),
-                                   {.cells = 400, .output_times = times});
+  const auto run = start_from_rest(
+      table_of(frictional_spheres()), chute(30, 52.2), {.cells = 400, .output_times = times});
   const double first = run.snapshots.front().profile.height;
   const double last = run.snapshots.back().profile.height;
   EXPECT_GT(last, 1.02 * first);  // it dilates

@@ -37,8 +37,10 @@ RheologyTable mu_phi_table(std::mt19937_64& random) {
   law.friction = {unit(random), unit(random), unit(random)};
   law.volume_fraction = {unit(random), unit(random) * 10.0};
   if (random() % 2 == 0) law.softness_friction = SoftnessFriction{unit(random)};
-  if (random() % 2 == 0) law.cohesion_friction = CohesionFriction{unit(random), unit(random)};
-  else if (random() % 2 == 0) law.cohesion_stress = CohesionStress{unit(random)};
+  if (random() % 2 == 0)
+    law.cohesion_friction = CohesionFriction{unit(random), unit(random)};
+  else if (random() % 2 == 0)
+    law.cohesion_stress = CohesionStress{unit(random)};
   if (law.softness_friction && random() % 2 == 0)
     law.softness_friction->form = SoftnessForm::linear;
   if (random() % 2 == 0) law.friction.exponent = unit(random);
