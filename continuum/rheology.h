@@ -215,6 +215,14 @@ Mixed<S, T> friction(const laws::InertialFriction<S>& law, const T& I) {
   return inertial_friction(law.mu0, law.beta, law.kappa, pow(I, *law.exponent));
 }
 
+/// I at which mu(I) is mu; not positive at or below mu0.
+template <class S, class T>
+Mixed<S, T> inertial_number_of(const laws::InertialFriction<S>& law, const T& mu) {
+  using std::pow;
+  const Mixed<S, T> x = inertial_number_of(law.mu0, law.beta, law.kappa, mu);
+  return law.exponent && x > 0.0 ? pow(x, 1.0 / *law.exponent) : x;
+}
+
 /// f_p: 1 where the law has no such term. Not positive where softness takes all friction and the
 /// law has left physics.
 template <class S, class T>

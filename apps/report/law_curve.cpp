@@ -74,10 +74,9 @@ dem::Estimate inertial_number_at(const continuum::RheologyTable& table,
   if (!std::holds_alternative<continuum::MuPhi>(table.law)) return {};
   return propagated(table, [&](const continuum::RheologyTable& t) {
     const continuum::MuPhi& law = mu_phi(t);
-    const auto& [mu0, beta, kappa] = law.friction;
     const double mu =
         std::tan(inclination) / continuum::friction_factor(law, Confinement{.softness = softness});
-    const double I = continuum::inertial_number_of(mu0, beta, kappa, mu);
+    const double I = continuum::inertial_number_of(law.friction, mu);
     return I > 0.0 ? I : nan;
   });
 }
