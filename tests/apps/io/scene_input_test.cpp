@@ -292,7 +292,7 @@ TEST(SceneInput, APeriodOfThreeDiametersIsMeasuredInTheUnitsOfTheFile) {
 
 TEST(CaseInput, GrainCaseIsReadInInternalUnits) {
   const CaseFile file = read_case(data / "cases/chute.toml");
-  EXPECT_EQ(file.question, Question::steady);
+  EXPECT_EQ(file.question, Question::flow);
   EXPECT_EQ(file.chute.mass_per_area, 30.0);
   EXPECT_EQ(file.chute.gravity, 1.0);
   EXPECT_EQ(file.chute.grains.density, 6.0 / std::numbers::pi);
