@@ -292,7 +292,7 @@ TEST(SceneInput, APeriodOfThreeDiametersIsMeasuredInTheUnitsOfTheFile) {
 
 TEST(CaseInput, GrainCaseIsReadInInternalUnits) {
   const CaseFile file = read_case(data / "cases/chute.toml");
-  EXPECT_EQ(file.question, Question::flow);
+  EXPECT_EQ(file.question, Question::steady);
   EXPECT_EQ(file.chute.mass_per_area, 30.0);
   EXPECT_EQ(file.chute.gravity, 1.0);
   EXPECT_EQ(file.chute.grains.density, 6.0 / std::numbers::pi);
@@ -319,7 +319,7 @@ TEST(CaseInput, ADepthIsKeptForWhoKnowsTheDensityOfTheFlow) {
       parse_case("units = \"grain\"\n[chute]\ninclination = 24\ndepth = 20\n", "c");
   EXPECT_EQ(file.depth, 20.0);
   EXPECT_EQ(file.chute.mass_per_area, 0.0);
-  EXPECT_EQ(file.question, Question::steady);
+  EXPECT_EQ(file.question, Question::flow);
 }
 
 }  // namespace
