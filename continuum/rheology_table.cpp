@@ -51,7 +51,8 @@ auto coefficients(Table& table) {
   std::visit([&](auto& law) { list(law, out); }, table.law);
   if (!table.has_friction)
     std::erase_if(out, [](const auto& entry) {
-      return entry.name == "mu0" || entry.name == "beta" || entry.name == "kappa";
+      return entry.name == "mu0" || entry.name == "beta" || entry.name == "kappa" ||
+             entry.name == "exponent";
     });
   if (auto& base = table.base)
     out.insert(out.end(),

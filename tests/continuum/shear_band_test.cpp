@@ -250,6 +250,11 @@ TEST(ShearBand, RefusesWhatHasNoMeaning) {
   EXPECT_THROW(
       shear_band(table_of(bagnold_at_24_degrees(1.3, 0.8, 0.0)), plane_shear({.stress = 4})),
       TableError);
+  auto power_law = linear_law();
+  power_law.friction.exponent = 0.8;
+  ShearBandCase nonlocal = plane_shear({.stress = 4.0});
+  nonlocal.nonlocal_amplitude = 0.48;
+  EXPECT_THROW(shear_band(table_of(power_law), nonlocal), TableError);
   EXPECT_THROW(shear_band(table, plane_shear({})), std::invalid_argument);
   EXPECT_THROW(shear_band(table, plane_shear({.velocity = 1.0, .stress = 4.0})),
                std::invalid_argument);
