@@ -10,8 +10,9 @@
 #include "apps/command_line.h"
 #include "apps/compare_runs.h"
 #include "apps/directory_lock.h"
+#include "apps/imported_runs.h"
 #include "apps/io/campaign_input.h"
-#include "apps/io/local_data_hdf5.h"
+#include "apps/io/import.h"
 #include "apps/io/profile_csv.h"
 #include "apps/io/rheology_table_toml.h"
 #include "apps/io/safe_write.h"
@@ -42,6 +43,7 @@ struct Runs {
   std::vector<dem::LocalData> predicted;
   std::vector<report::StageCost> costs;
   std::vector<std::string> warnings;
+  std::vector<io::RunRecord> imported;
 
   std::vector<dem::LocalData> all() const {
     std::vector<dem::LocalData> runs = fitted;
@@ -107,32 +109,48 @@ void warn_of_few_samples(Runs& runs) {
                           "): standard errors are rough; a longer averaging_time would help");
 }
 
+/// Equal but for the rounding of files.
+bool equal(double a, double b) {
+  return std::abs(a - b) <= 1e-6 * std::max(std::abs(a), std::abs(b));
+}
+
+/// Runs of other programs: their base is their own, and numbers were rounded on the way.
+bool same_grains_elsewhere(const dem::ChuteConditions& a, const dem::ChuteConditions& b) {
+  return equal(a.grain_diameter, b.grain_diameter) && equal(a.grain_density, b.grain_density) &&
+         equal(a.stiffness, b.stiffness) && equal(a.contact_friction, b.contact_friction) &&
+         equal(a.mass_per_area, b.mass_per_area);
+}
+
 /// A finished run belongs to a campaign when it ran under the conditions of its scene at one of its
 /// tilts.
-bool belongs(const dem::LocalData& data, const io::Campaign& campaign) {
-  const double tilt = data.conditions.inclination;
+bool belongs(const io::RunRecord& record, const io::Campaign& campaign) {
+  const dem::ChuteConditions& found = record.data.conditions;
+  const double tilt = found.inclination;
   if (!among(tilt, campaign.calibrate_tilts) && !among(tilt, campaign.predict_tilts)) return false;
   const dem::ChuteConditions expected = dem::conditions(campaign.scene.scene);
-  return same_grains(data.conditions, expected) &&
-         data.conditions.mass_per_area == expected.mass_per_area;
+  if (!record.imported_from.empty()) return same_grains_elsewhere(found, expected);
+  return same_grains(found, expected) && found.mass_per_area == expected.mass_per_area;
 }
 
 Runs gather(const io::Campaign& campaign, const std::vector<std::string>& files) {
   Runs runs;
   std::set<std::string> seen;
   for (const std::string& file : files) {
-    dem::LocalData data = io::read_local_data(file);
-    if (!seen.insert(io::digest(file)).second) {
+    io::RunRecord record = io::read_run(file);
+    if (!seen.insert(io::digest(record)).second) {
       throw io::InputError(file + ": the same run is given twice; it would count twice in the fit");
     }
-    if (!belongs(data, campaign)) {
+    if (!belongs(record, campaign)) {
       throw io::InputError(file +
                            ": grains, base, mass or tilt are not those of the campaign; compare it "
                            "with `grainlaw compare` instead");
     }
-    runs.costs.push_back({"DEM " + data.name, data.summary.wall_seconds, 0.0});
-    sort_in(runs, std::move(data), campaign);
+    runs.costs.push_back({"DEM " + record.data.name, record.data.summary.wall_seconds, 0.0});
+    sort_in(runs, record.data, campaign);
+    if (!record.imported_from.empty()) runs.imported.push_back(std::move(record));
   }
+  const std::vector<std::string> failed = failed_checks(runs.imported);
+  runs.warnings.insert(runs.warnings.end(), failed.begin(), failed.end());
   return runs;
 }
 
@@ -261,12 +279,14 @@ ExitCode calibrate(const Arguments& arguments, const CommonOptions& options) {
   }
   warn_of_few_samples(runs);
   for (const std::string& warning : runs.warnings) say("warning: " + warning);
+  store_imported(runs.imported, directory / "runs", arguments.from);
+  Summary summary;
+  for (const io::RunRecord& record : runs.imported) add_checks(summary, record);
   report::Report report = evaluate(campaign, std::move(runs), directory);
   report.command = "grainlaw calibrate " + fs::path(arguments.campaign).filename().string();
   io::write_table(report.table, directory / "table.toml");
   write_bagnold_tables(report.runs, directory / "bagnold");
   report::write_report(report, directory);
-  Summary summary;
   add_fit_lines(summary, *report.fit);
   add_error_lines(summary, report.runs);
   summary.add("table", "table", (directory / "table.toml").string());
@@ -289,7 +309,9 @@ int main(int argc, char** argv) {
   Arguments arguments;
   line.required("CAMPAIGN.toml", arguments.campaign, "the campaign");
   line.option("-o,--output", arguments.output, "folder for results (default: calibration-report)");
-  line.option_list("--from", arguments.from, "finished runs (RUN.h5) to use instead of running");
+  line.option_list("--from",
+                   arguments.from,
+                   "finished runs (RUN.h5), or import files (.toml), to use instead of running");
   line.duration("--max-wall", arguments.max_wall, "stop with checkpoints after this wall time");
   line.threads("runs at once, one thread each (default: cores)", 0);
   if (const auto code = line.parse(argc, argv)) return *code;

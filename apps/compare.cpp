@@ -6,7 +6,8 @@
 #include "apps/command_line.h"
 #include "apps/compare_runs.h"
 #include "apps/directory_lock.h"
-#include "apps/io/local_data_hdf5.h"
+#include "apps/imported_runs.h"
+#include "apps/io/import.h"
 #include "apps/io/rheology_table_toml.h"
 #include "apps/program.h"
 #include "apps/summary.h"
@@ -63,15 +64,18 @@ void require_chute(const dem::LocalData& data, const std::string& path) {
 
 ExitCode compare(const Arguments& arguments, const CommonOptions& options) {
   std::vector<dem::LocalData> runs;
+  std::vector<io::RunRecord> imported;
   io::Units units;  // of the scenes: a table of a, b, tau_c in SI needs their sizes
   for (const std::string& path : arguments.runs) {
-    io::RunRecord record = io::read_run_record(path);
+    io::RunRecord record = io::read_run(path);
     require_chute(record.data, path);
     units = record.units;
-    runs.push_back(std::move(record.data));
+    runs.push_back(record.data);
+    if (!record.imported_from.empty()) imported.push_back(std::move(record));
   }
   const continuum::RheologyTable table = io::in_grain_units(io::read_table(arguments.table), units);
   Summary summary;
+  for (const io::RunRecord& record : imported) add_checks(summary, record);
   if (options.check) {
     for (const dem::LocalData& data : runs) summary.add(data.name, "run", check_line(data, table));
     print(summary, options);
@@ -79,6 +83,7 @@ ExitCode compare(const Arguments& arguments, const CommonOptions& options) {
   }
   const std::filesystem::path directory = arguments.output;
   const DirectoryLock lock(directory);
+  store_imported(imported, directory / "runs", arguments.runs);
   const std::vector<dem::LocalData> fitted = fitted_runs(runs, table);
   report::Report report;
   report.title =
@@ -86,6 +91,8 @@ ExitCode compare(const Arguments& arguments, const CommonOptions& options) {
   report.command = "grainlaw compare";
   report.machine = machine();
   report.table = table;
+  report.warnings = failed_checks(imported);
+  for (const std::string& warning : report.warnings) say("warning: " + warning);
   for (const dem::LocalData& data : runs) {
     report.costs.push_back({"DEM " + data.name, data.summary.wall_seconds, 0.0});
     report.runs.push_back(compare_run(data, table, fitted));
@@ -109,10 +116,11 @@ int main(int argc, char** argv) {
   CommonOptions options;
   CommandLine line("grainlaw-compare",
                    "Predicts the scene of every DEM run from a table and reports the differences.",
-                   "  grainlaw compare results/runs/*.h5 -t results/table.toml -o comparison",
+                   "  grainlaw compare results/runs/*.h5 -t results/table.toml -o comparison\n"
+                   "  grainlaw compare lammps.toml -t results/table.toml -o comparison",
                    options);
   Arguments arguments;
-  line.list("RUN.h5", arguments.runs, "local data of DEM runs");
+  line.list("RUN.h5", arguments.runs, "local data of DEM runs, or import files (.toml) of others");
   line.option("-t,--table", arguments.table, "rheology table", true);
   line.option(
       "-o,--output", arguments.output, "folder for the report (default: comparison-report)");

@@ -24,8 +24,10 @@ bool has_profile(const continuum::SteadyChute& steady) {
   return !steady.profile.rows.empty();
 }
 
+/// Of the start from rest, where the frames hold it.
 std::vector<double> frame_times(const dem::LocalData& data) {
   std::vector<double> times;
+  if (!data.frames.from_rest) return times;
   for (const dem::ProfileFrame& frame : data.frames.frames) {
     times.push_back(0.5 * (frame.begin + frame.end));
   }
@@ -251,6 +253,8 @@ std::vector<report::TimeErrorPoint> error_against_time(
     std::span<const dem::LocalData> all,
     const continuum::RheologyTable& final_table) {
   std::vector<report::TimeErrorPoint> points;
+  const auto averages_only = [](const dem::LocalData& run) { return run.frames.frames.empty(); };
+  if (std::ranges::any_of(fitted, averages_only)) return points;  // no shorter time to average over
   for (const double share : {1.0 / 16, 1.0 / 8, 1.0 / 4, 1.0 / 2, 1.0}) {
     report::TimeErrorPoint point;
     std::vector<dem::LocalData> part;

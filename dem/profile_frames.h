@@ -39,6 +39,7 @@ struct ProfileFrames {
   double z_begin = 0.0;    ///< [length]; below zero: grains sit in the pockets of the base
   double bin_width = 1.0;  ///< [length]
   std::vector<ProfileFrame> frames;
+  bool from_rest = true;  ///< the first frame begins with the start of the flow from rest
 
   double bin_centre(std::size_t k) const {
     return z_begin + (static_cast<double>(k) + 0.5) * bin_width;

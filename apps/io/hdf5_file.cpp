@@ -241,6 +241,10 @@ std::string without_padding(std::string text) {
 
 }  // namespace
 
+bool Hdf5Reader::has(const std::string& path) const {
+  return H5Lexists(file_, path.c_str(), H5P_DEFAULT) > 0;
+}
+
 double Hdf5Reader::number(const std::string& object, const std::string& name) const {
   double value = 0.0;
   const Handle attribute = open_attribute(file_, object, name, H5T_FLOAT);

@@ -52,6 +52,7 @@ class Hdf5Reader {
   Hdf5Reader& operator=(const Hdf5Reader&) = delete;
   ~Hdf5Reader();
 
+  bool has(const std::string& path) const;
   double number(const std::string& object, const std::string& name) const;
   std::int64_t integer(const std::string& object, const std::string& name) const;
   std::string text(const std::string& object, const std::string& name) const;

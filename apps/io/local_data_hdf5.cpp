@@ -312,6 +312,39 @@ void read_data(const Hdf5Reader& in, LocalData& data) {
   if (has_lifetimes(in)) data.lifetimes = read_lifetimes(in);
 }
 
+/// Only in imported data.
+void write_import(Hdf5Writer& out, const RunRecord& record) {
+  if (record.imported_from.empty()) return;
+  out.group("import");
+  out.attribute("import", "program", record.imported_from);
+  out.attribute("import", "from_rest", std::int64_t{record.data.frames.from_rest});
+  for (const ImportCheck& check : record.checks) {
+    const std::string group = "import/" + check.name;
+    out.group(group);
+    out.attribute(group, "outcome", std::string(name(check.outcome)));
+    out.attribute(group, "text", check.text);
+  }
+}
+
+CheckOutcome outcome_named(std::string_view word) {
+  for (const auto outcome :
+       {CheckOutcome::passed, CheckOutcome::failed, CheckOutcome::not_possible}) {
+    if (word == name(outcome)) return outcome;
+  }
+  throw ReadError(fmt::format("unknown outcome '{}' of a check", word));
+}
+
+void read_import(const Hdf5Reader& in, RunRecord& record) {
+  if (!in.has("import")) return;
+  record.imported_from = in.text("import", "program");
+  record.data.frames.from_rest = in.integer("import", "from_rest") != 0;
+  for (const char* check : {"mass", "weight", "friction", "steadiness", "stress", "errors"}) {
+    const std::string group = std::string("import/") + check;
+    record.checks.push_back(
+        {check, outcome_named(in.text(group, "outcome")), in.text(group, "text")});
+  }
+}
+
 void write_run(Hdf5Writer& out, const RunRecord& record) {
   out.group("run");
   for (const auto& field : run_fields) {
@@ -333,6 +366,7 @@ std::string reproducible_part(const RunRecord& record) {
   Hdf5Writer out;
   write_provenance(out, record);
   write_data(out, record.data);
+  write_import(out, record);
   return out.bytes();
 }
 
@@ -340,6 +374,7 @@ std::string everything(const RunRecord& record) {
   Hdf5Writer out;
   write_provenance(out, record);
   write_data(out, record.data);
+  write_import(out, record);
   write_run(out, record);
   return out.bytes();
 }
@@ -349,7 +384,19 @@ std::string host_name() {
   return ::gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "unknown";
 }
 
+void write(RunRecord& record, const std::filesystem::path& path) {
+  record.host = host_name();
+  record.date = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
+  record.cores = static_cast<int>(std::thread::hardware_concurrency());
+  safe_write(path, seal(kind, format, everything(record)));
+}
+
 }  // namespace
+
+std::string_view name(CheckOutcome outcome) {
+  constexpr std::array<std::string_view, 3> names{"passed", "failed", "not possible"};
+  return names[static_cast<std::size_t>(outcome)];
+}
 
 void write_local_data(const LocalData& data,
                       const SceneFile& scene,
@@ -360,10 +407,12 @@ void write_local_data(const LocalData& data,
   record.units = scene.units;
   record.seed = scene.scene.seed;
   record.version = GRAINLAW_VERSION;
-  record.host = host_name();
-  record.date = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
-  record.cores = static_cast<int>(std::thread::hardware_concurrency());
-  safe_write(path, seal(kind, format, everything(record)));
+  write(record, path);
+}
+
+void write_imported_data(const RunRecord& record, const std::filesystem::path& path) {
+  RunRecord copy = record;
+  write(copy, path);
 }
 
 RunRecord read_run_record(const std::filesystem::path& path) {
@@ -372,6 +421,7 @@ RunRecord read_run_record(const std::filesystem::path& path) {
   RunRecord record;
   read_provenance(in, record);
   read_data(in, record.data);
+  read_import(in, record);
   read_run(in, record);
   return record;
 }
@@ -381,7 +431,11 @@ LocalData read_local_data(const std::filesystem::path& path) {
 }
 
 std::string digest(const std::filesystem::path& path) {
-  return fmt::format("{:016x}", checksum(reproducible_part(read_run_record(path))));
+  return digest(read_run_record(path));
+}
+
+std::string digest(const RunRecord& record) {
+  return fmt::format("{:016x}", checksum(reproducible_part(record)));
 }
 
 }  // namespace grainlaw::io

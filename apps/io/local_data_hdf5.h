@@ -3,22 +3,36 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "apps/io/scene_input.h"
 #include "dem/local_data.h"
 
 namespace grainlaw::io {
 
+enum class CheckOutcome { passed, failed, not_possible };
+std::string_view name(CheckOutcome outcome);
+
+/// A check of data of another program.
+struct ImportCheck {
+  std::string name;  ///< one word: what was checked
+  CheckOutcome outcome = CheckOutcome::passed;
+  std::string text;  ///< a sentence with the numbers
+};
+
 /// A local data file: the data of a run and what made them.
 struct RunRecord {
-  dem::LocalData data;  ///< in internal units (m = d = g = 1)
-  std::string scene_text;
-  Units units;  ///< of the scene text
+  dem::LocalData data;     ///< in internal units (m = d = g = 1)
+  std::string scene_text;  ///< imported data: of the import file
+  Units units;             ///< of the scene text
   std::uint64_t seed = 0;
   std::string version;  ///< of the program
   std::string host;     ///< where, when and on how many cores it ran; group /run
   std::string date;
   int cores = 0;
+  std::string imported_from;  ///< another program, in words; empty: a run of ours
+  std::vector<ImportCheck> checks;
 };
 
 /// Writes local data with the scene they belong to. The same run gives the same bytes outside the
@@ -32,6 +46,9 @@ void write_local_data(const dem::LocalData& data,
                       const SceneFile& scene,
                       const std::filesystem::path& path);
 
+/// The same for imported data, whose record is complete but for host, date and cores.
+void write_imported_data(const RunRecord& record, const std::filesystem::path& path);
+
 /// Reads what write_local_data wrote, bit for bit. Throws ReadError with a sentence for a file
 /// that is foreign, cut short, changed or of a newer format.
 dem::LocalData read_local_data(const std::filesystem::path& path);
@@ -39,5 +56,6 @@ RunRecord read_run_record(const std::filesystem::path& path);
 
 /// Hash of everything outside the group /run, 16 hexadecimal digits (--digest).
 std::string digest(const std::filesystem::path& path);
+std::string digest(const RunRecord& record);
 
 }  // namespace grainlaw::io

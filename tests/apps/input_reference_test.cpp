@@ -8,6 +8,7 @@
 
 #include "apps/io/campaign_input.h"
 #include "apps/io/case_input.h"
+#include "apps/io/import_input.h"
 #include "apps/io/rheology_table_toml.h"
 #include "apps/io/scene_input.h"
 
@@ -54,6 +55,7 @@ std::string reference() {
   return std::string(introduction) + "## Scene (`grainlaw dem`)\n\n" + scene_keys() +
          "\n## Campaign (`grainlaw calibrate`)\n\n" + campaign_keys() +
          "\n## Case (`grainlaw predict`)\n\n" + case_keys() +
+         "\n## Import (`grainlaw compare`, `grainlaw calibrate --from`)\n\n" + import_keys() +
          "\n## Rheology table (`--table`)\n\n" + table_keys();
 }
 

@@ -7,9 +7,11 @@
 
 #include "apps/io/campaign_input.h"
 #include "apps/io/case_input.h"
+#include "apps/io/import.h"
 #include "apps/io/rheology_table_toml.h"
 #include "apps/io/safe_write.h"
 #include "apps/io/start_csv.h"
+#include "apps/io/text_table.h"
 #include "tests/apps/io/temporary_directory.h"
 
 namespace grainlaw::io {
@@ -32,6 +34,13 @@ void read_anything(const std::filesystem::path& path) {
   if (name.starts_with("scene")) read_scene(path);
   if (name.starts_with("campaign")) read_campaign(path);
   if (name.starts_with("case")) read_case(path);
+  if (name.ends_with(".chunk")) {
+    read_lammps_chunk(path);
+  } else if (name.ends_with(".stat")) {
+    read_mercury_cg(path);
+  } else if (name.starts_with("import")) {
+    read_run(path);
+  }
   if (name.starts_with("table")) read_table(path);
   if (name.starts_with("start")) read_start(path, grain_units());
 }
@@ -120,6 +129,8 @@ TEST(InvalidInput, MutilatedFilesAreReadOrRefusedButNeverCrash) {
       {"scene.toml", read_file(data / "scenes/plane_shear.toml")},
       {"scene.toml", read_file(data / "scenes/split_bottom.toml")},
       {"start.csv", "# grains\nx,y,z,diameter,frozen\n1,1,0.5,1,0\n2.5,-1e-3,0.5,1.2,1\n"},
+      {"import.chunk", read_file(data / "invalid/import_cut_short.chunk") + " 3 2.5 10 1 3\n"},
+      {"import.stat", read_file(data / "imports/mercury_cg.stat").substr(0, 4000)},
       {"case.toml", read_file(data / "cases/glass_beads_si.toml")},
       {"table.toml", read_file(data / "tables/shi2020_mu_p_0.50.toml")}};
   int refused = 0;
