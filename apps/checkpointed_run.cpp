@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <new>
+#include <optional>
 #include <sstream>
 #include <utility>
 
 #include "apps/io/checkpoint_hdf5.h"
 #include "apps/io/local_data_hdf5.h"
 #include "apps/io/safe_write.h"
+#include "apps/io/trajectory.h"
 #include "apps/output_lock.h"
 #include "apps/program.h"
 
@@ -222,7 +224,11 @@ SceneRun run_scene(const io::SceneFile& file,
   run.resumed = older.stored.has_value();
   run.threads = settings.threads;
   bool saved_at_stop = false;
-  const dem::RunOptions options{
+  std::optional<io::TrajectoryWriter> trajectory;
+  if (settings.trajectory_interval > 0.0) {
+    trajectory.emplace(output, run.resumed, io::TrajectoryWriter::Options{.xyz = settings.xyz});
+  }
+  dem::RunOptions options{
       .observer =
           [&](const dem::Progress& now) {
             pace.add(now);
@@ -237,9 +243,15 @@ SceneRun run_scene(const io::SceneFile& file,
             saved_at_stop = run.stopped;
           },
       .checkpoint_interval = settings.checkpoint_interval,
+      .snapshot = {},
+      .snapshot_interval = settings.trajectory_interval,
       .resume = older.stored ? &older.stored->checkpoint : nullptr,
   };
+  if (trajectory) {
+    options.snapshot = [&](const dem::Snapshot& snapshot) { trajectory->add(snapshot); };
+  }
   run.data = run_engine(file, options, keeper);
+  if (trajectory) trajectory->finish();
   run.grain_steps_per_second = pace.grain_steps_per_second();
   write_data(run, file, output, keeper);
   if (run.stopped) require_checkpoint(keeper, saved_at_stop, output);

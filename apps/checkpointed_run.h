@@ -20,6 +20,8 @@ struct RunSettings {
   Start start = Start::anew;
   int threads = 1;
   double checkpoint_interval = 60.0;  ///< wall time between two checkpoints [s]
+  double trajectory_interval = 0.0;   ///< between two snapshots of the grains [time]; 0: none
+  bool xyz = false;                   ///< snapshots as extended XYZ too
 };
 
 /// How fast a run is and how long it will take, by what was seen of it since it began or went on.

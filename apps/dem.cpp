@@ -1,6 +1,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <charconv>
 #include <filesystem>
 #include <thread>
 
@@ -23,6 +24,8 @@ struct Arguments {
   bool resume = false;
   double max_wall = 0.0;              ///< [s]; 0: no limit
   double checkpoint_interval = 60.0;  ///< [s]
+  std::string trajectory;             ///< time between two snapshots; empty: none
+  std::string export_format;
 };
 
 std::string progress_text(const dem::Progress& now, const Pace& pace) {
@@ -46,11 +49,27 @@ int usable_threads(int asked) {
   return cores;
 }
 
+/// Time between two snapshots of the grains; 0: none.
+double trajectory_interval(const Arguments& arguments) {
+  if (!arguments.export_format.empty() && arguments.export_format != "xyz") {
+    throw io::InputError("--export " + arguments.export_format + ": known: xyz");
+  }
+  if (arguments.trajectory.empty()) {
+    if (arguments.export_format.empty()) return 0.0;
+    throw io::InputError("--export needs --trajectory, the time between two snapshots");
+  }
+  const std::string& text = arguments.trajectory;
+  double interval = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), interval);
+  if (error == std::errc() && end == text.data() + text.size() && interval > 0.0) return interval;
+  throw io::InputError("--trajectory " + text + ": a time above 0 is expected, in sqrt(d/g)");
+}
+
 std::string resume_command(const Arguments& arguments) {
-  return fmt::format("grainlaw dem {} -o {}{} --resume",
-                     arguments.scene,
-                     arguments.output,
-                     arguments.allow_step ? " --allow-step" : "");
+  std::string more = arguments.allow_step ? " --allow-step" : "";
+  if (!arguments.trajectory.empty()) more += " --trajectory " + arguments.trajectory;
+  if (!arguments.export_format.empty()) more += " --export " + arguments.export_format;
+  return fmt::format("grainlaw dem {} -o {}{} --resume", arguments.scene, arguments.output, more);
 }
 
 SceneRun run_with_progress(const io::SceneFile& file,
@@ -61,7 +80,9 @@ SceneRun run_with_progress(const io::SceneFile& file,
                    arguments.output,
                    {.start = arguments.resume ? Start::resume : Start::anew,
                     .threads = usable_threads(options.threads),
-                    .checkpoint_interval = arguments.checkpoint_interval},
+                    .checkpoint_interval = arguments.checkpoint_interval,
+                    .trajectory_interval = trajectory_interval(arguments),
+                    .xyz = !arguments.export_format.empty()},
                    {.progress = [&](const dem::Progress& now,
                                     const Pace& pace) { line.show(progress_text(now, pace)); },
                     .note = [&](const std::string& text) { line.warn("grainlaw dem: " + text); }});
@@ -87,6 +108,7 @@ ExitCode run(Arguments arguments, const CommonOptions& options) {
   std::string& output = arguments.output;
   if (output.empty()) output = fs::path(arguments.scene).stem().string() + ".h5";
   refuse_overwriting_input(output, {arguments.scene});
+  trajectory_interval(arguments);
   require_writable(output);  // now, not after a long run
   catch_stop_signals();
   if (arguments.max_wall > 0.0) stop_after(arguments.max_wall);
@@ -129,6 +151,10 @@ int main(int argc, char** argv) {
   line.duration("--checkpoint-interval",
                 arguments.checkpoint_interval,
                 "wall time between two checkpoints (default: 60s)");
+  line.option("--trajectory",
+              arguments.trajectory,
+              "write the grains every so often [sqrt(d/g)]: OUTPUT.grains, OUTPUT.xdmf (ParaView)");
+  line.option("--export", arguments.export_format, "xyz: the grains as extended XYZ too (OVITO)");
   line.threads("of the engine (default: 1)", 1);
   if (const auto code = line.parse(argc, argv)) return *code;
   return run_program("grainlaw dem", [&] { return run(arguments, options); });

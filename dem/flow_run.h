@@ -18,6 +18,9 @@ namespace grainlaw::dem {
 /// The grains as they are now, in the order of their numbers, spins left out.
 InitialState present_state(const SimulationBase& simulation);
 
+/// The same with spins, velocities as of the time of the positions.
+Snapshot snapshot(const SimulationBase& simulation);
+
 /// A packing that has come to rest without cohesion, which would keep it as loose as it was made.
 /// Friction stays: without it a layer settles so densely (0.64) that it does not start to flow at
 /// tilts at which it could go on flowing. False from the observer stops it.
@@ -65,10 +68,14 @@ class FlowRun {
                          {.mass = scene.grains.mass, .diameter = scene.grains.diameter},
                          speed,
                          time_step(scene));
-    if (!goes_on(options)) return;
+    if (!goes_on(options)) {
+      take_snapshot();
+      return;
+    }
     simulation_.restore(*options.resume);
     record_.restore(*options.resume);
     if (lifetimes_) lifetimes_->restore(*options.resume);
+    snapshots_ = due_snapshots();
   }
 
   LocalData run() {
@@ -123,6 +130,7 @@ class FlowRun {
           });
       record_.sample(simulation_, contacts_);
       if (lifetimes_) sample_lifetimes();
+      if (due_snapshots() > snapshots_) take_snapshot();
     }
     record_.close_frame(begin, simulation_);
     if (lifetimes_) lifetimes_->end_frame(simulation_.time());
@@ -133,6 +141,16 @@ class FlowRun {
     lifetimes_->sample(simulation_, contacts_, [&](const ContactSample& contact) {
       return slips(law_, simulation_.particles(), contact);
     });
+  }
+
+  /// How many have fallen due since the start of the flow, which counts as one.
+  long due_snapshots() const {
+    if (!options_.snapshot) return 0;
+    return 1 + static_cast<long>(simulation_.time() / options_.snapshot_interval);
+  }
+  void take_snapshot() {
+    snapshots_ = due_snapshots();
+    if (options_.snapshot && go_on_) options_.snapshot(snapshot(simulation_));
   }
 
   /// False: the observer wants the run to stop.
@@ -163,6 +181,7 @@ class FlowRun {
   Stopwatch clock_;
   Stopwatch since_save_;
   bool go_on_ = true;
+  long snapshots_ = 0;
   InitialState start_;
   Law law_;
   Simulation<Law> simulation_;

@@ -70,6 +70,18 @@ InitialState present_state(const SimulationBase& simulation) {
   return state;
 }
 
+Snapshot snapshot(const SimulationBase& simulation) {
+  const Particles& particles = simulation.particles();
+  Snapshot taken{.time = simulation.time(), .state = present_state(simulation)};
+  for (std::size_t i = 0; i < particles.mobile; ++i) {
+    InitialGrain& grain = taken.state.grains[particles.id[i]];
+    grain.velocity = simulation.velocity(i);
+    if (particles.rotates())
+      grain.rotation = (1.0 / particles.state[i].radius) * simulation.spin(i);
+  }
+  return taken;
+}
+
 LocalData run(const Scene& scene, const RunOptions& options) {
   validate(scene);
   return with_law(scene, [&](const auto& law) { return FlowRun{scene, law, options}.run(); });

@@ -3,6 +3,7 @@
 #include <functional>
 
 #include "dem/checkpoint.h"
+#include "dem/initial_state.h"
 #include "dem/local_data.h"
 #include "dem/run_error.h"
 #include "dem/scene.h"
@@ -22,6 +23,12 @@ struct Progress {
 /// Called between frames; return false to stop the run after this frame (its data are kept).
 using Observer = std::function<bool(const Progress&)>;
 
+/// All grains at one time, in the order of their numbers.
+struct Snapshot {
+  double time = 0.0;  ///< since the start of the flow [time]
+  InitialState state;
+};
+
 /// What a run is asked beside its scene. Nothing here changes the path of the grains.
 struct RunOptions {
   Observer observer;
@@ -29,7 +36,11 @@ struct RunOptions {
   /// Takes a checkpoint: about every checkpoint_interval seconds of wall time, and when the run is
   /// stopped by the observer. Absent: none is made.
   std::function<void(const Checkpoint&)> save;
-  double checkpoint_interval = 60.0;   ///< [s]
+  double checkpoint_interval = 60.0;  ///< [s]
+  /// Takes the grains at the first sample after every multiple of snapshot_interval [time]; a run
+  /// that goes on takes them where the others would have. Absent: not made.
+  std::function<void(const Snapshot&)> snapshot;
+  double snapshot_interval = 1.0;
   const Checkpoint* resume = nullptr;  ///< go on from here instead of from the start
 };
 
