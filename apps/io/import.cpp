@@ -261,7 +261,9 @@ dem::SteadyWindow judge(const Import& import, const dem::ProfileFrames& frames) 
     frame.begin -= begin;
     frame.end -= begin;
   }
-  const dem::SteadyCriteria criteria{.averaging_time = import.averaging_time};
+  const double wanted =
+      import.averaging_time > 0.0 ? import.averaging_time : 0.25 * shifted.back().end;
+  const dem::SteadyCriteria criteria{.averaging_time = wanted};
   dem::SteadyWindow window = dem::steady_window(dem::assess(shifted, criteria), shifted);
   window.begin += begin;
   window.end += begin;

@@ -153,7 +153,9 @@ void read_window(InputFile& in, Import& import) {
   import.steady = window.read_or<bool>(
       {"steady", "of averages without a history: is the flow they were taken of steady?"}, false);
   import.averaging_time =
-      window.find<double>({"averaging_time", "least length of a steady window", time, positive})
+      window
+          .find<double>({"averaging_time", "least length of a steady window", time, positive},
+                        "a quarter of the history")
           .value_or(0.0);
   import.from_rest =
       window.read_or<bool>({"from_rest", "the first block begins with the start from rest"}, false);

@@ -49,7 +49,7 @@ struct Import {
   std::optional<double> relative_error;  ///< of fields without a column of errors
   bool steady = false;                   ///< stated of averages
   bool from_rest = false;                ///< the first block begins when the flow starts from rest
-  double averaging_time = 0.0;           ///< least length of a steady window
+  double averaging_time = 0.0;           ///< least length of a steady window; 0: a quarter
   std::string program;
   double wall_seconds = 0.0;  ///< 0: not known
   std::string text;           ///< of the import file
