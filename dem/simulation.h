@@ -156,7 +156,7 @@ class Simulation : public SimulationBase {
 
   void step() { step(NoRecord{}); }
 
-  /// One time step; record(i, j, branch, force_on_i) sees every acting pair at its end.
+  /// One time step; record(i, j, branch, force_on_i[, loss]) sees every acting pair at its end.
   template <class Record>
   void step(Record&& record) {
     advance_grains();
