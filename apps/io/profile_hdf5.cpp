@@ -87,20 +87,35 @@ void append_numbers(std::vector<double>& to, const T& from) {
   to.insert(to.end(), numbers.begin(), numbers.end());
 }
 
-/// Moments of all frames, [frame][bin][moment]; frames with fewer bins are filled with zeros.
+/// As many of the lowest bins as hold anything in any frame.
+template <class T>
+std::size_t filled_bins(const std::vector<ProfileFrame>& frames,
+                        std::vector<T> ProfileFrame::*list) {
+  std::size_t filled = 0;
+  for (const ProfileFrame& frame : frames) {
+    for (std::size_t k = filled; k < (frame.*list).size(); ++k) {
+      const auto numbers = std::bit_cast<Numbers<T>>((frame.*list)[k]);
+      if (std::ranges::any_of(numbers, [](double x) { return x != 0.0; })) filled = k + 1;
+    }
+  }
+  return filled;
+}
+
+/// Moments of all frames, [frame][bin][moment]. What is above the highest grain is left out; frames
+/// with fewer bins are filled with zeros.
 template <class T>
 void write_moments(Hdf5Writer& out,
                    const std::string& path,
                    const std::vector<ProfileFrame>& frames,
                    std::vector<T> ProfileFrame::*list,
                    const char* names) {
-  std::size_t bins = 0;
-  for (const ProfileFrame& frame : frames) bins = std::max(bins, (frame.*list).size());
+  const std::size_t bins = filled_bins(frames, list);
   std::vector<double> values;
   values.reserve(frames.size() * bins * numbers_of<T>);
   for (const ProfileFrame& frame : frames) {
-    for (const T& bin : frame.*list) append_numbers(values, bin);
-    values.resize(values.size() + (bins - (frame.*list).size()) * numbers_of<T>, 0.0);
+    const std::size_t own = std::min(bins, (frame.*list).size());
+    for (std::size_t k = 0; k < own; ++k) append_numbers(values, (frame.*list)[k]);
+    values.resize(values.size() + (bins - own) * numbers_of<T>, 0.0);
   }
   out.dataset(path, values, {frames.size(), bins, numbers_of<T>});
   out.attribute(path, "components", names);
@@ -117,15 +132,16 @@ void read_moments(const Hdf5Reader& in,
   const std::size_t bins = shape.size() == 3 ? shape[1] : 0;
   const std::vector<double> values = in.numbers(path, {frames.size(), bins, numbers_of<T>});
   for (std::size_t f = 0; f < frames.size(); ++f) {
-    if (bins_of[f] < 0 || static_cast<std::size_t>(bins_of[f]) > bins) {
-      throw ReadError(fmt::format("frame {} claims {} of {} bins", f, bins_of[f], bins));
+    constexpr std::int64_t most = 1'000'000;
+    if (bins_of[f] < 0 || bins_of[f] > most) {
+      throw ReadError(fmt::format("frame {} claims {} bins", f, bins_of[f]));
     }
     (frames[f].*list).resize(static_cast<std::size_t>(bins_of[f]));
     auto from = values.begin() + static_cast<std::ptrdiff_t>(f * bins * numbers_of<T>);
-    for (T& bin : frames[f].*list) {
+    for (std::size_t k = 0; k < std::min(bins, (frames[f].*list).size()); ++k) {
       Numbers<T> numbers;
       std::copy_n(from, numbers.size(), numbers.begin());
-      bin = std::bit_cast<T>(numbers);
+      (frames[f].*list)[k] = std::bit_cast<T>(numbers);
       from += numbers.size();
     }
   }

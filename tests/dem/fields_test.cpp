@@ -8,6 +8,7 @@
 #include "dem/coarse_graining.h"
 #include "dem/local_data.h"
 #include "dem/run.h"
+#include "dem/statistics.h"
 #include "tests/dem/support.h"
 
 namespace grainlaw::dem {
@@ -331,7 +332,7 @@ TEST(SteadyChute, FrictionIsTheSlopeThroughTheBulk) {
     for (const FieldRow& row : fields.values) densest = std::max(densest, row.density);
     int bulk = 0;
     for (std::size_t k = 0; k < fields.values.size(); ++k) {
-      if (fields.values[k].density < 0.97 * densest) continue;
+      if (fields.values[k].density < 0.9 * densest) continue;
       EXPECT_NEAR(fields.values[k].friction,
                   slope,
                   std::max(0.01 * slope, 3.0 * fields.errors[k].friction));
@@ -344,30 +345,35 @@ TEST(SteadyChute, FrictionIsTheSlopeThroughTheBulk) {
 TEST(SteadyChute, BothPressuresAreGivenAndAgreeInADenseFlow) {
   for (const LocalRow& row : steady_chute().rows) {
     if (row.volume_fraction.value < 0.5) continue;
-    // sigma_yy lies below the others, by up to a tenth in dense chutes (Silbert et al. 2001).
-    EXPECT_LT(row.pressure.value, row.normal_stress.value);
-    EXPECT_GT(row.pressure.value, 0.9 * row.normal_stress.value);
+    // Normal stresses of dense chutes differ by up to a tenth (Silbert et al. 2001, fig. 8).
+    EXPECT_NEAR(row.pressure.value, row.normal_stress.value, 0.1 * row.normal_stress.value);
+    EXPECT_NE(row.pressure.value, row.normal_stress.value);
   }
 }
 
 TEST(SteadyChute, ContactsDissipateWhatGravityPutsIn) {
-  // Energy balance of steady flow, over the whole layer: the dissipation of all contacts is
-  // sigma_xz times the rate, summed over the layer, or g sin(theta) times the flux.
+  // Energy balance of steady flow over the whole layer, frame by frame: g sin(theta) times the flux
+  // goes into contacts. What springs of contacts still hold at their end is not in their
+  // dissipation; it is lost too, and bounded by mu F delta_t / 2 of a contact.
   const LocalData& data = steady_chute();
-  std::vector<ProfileFrame> window;
+  std::vector<double> missing;
+  double work = 0.0, sliding = 0.0, dissipation = 0.0;
   for (const ProfileFrame& frame : data.frames.frames) {
-    if (frame.begin >= data.window.begin) window.push_back(frame);
+    if (frame.begin < data.window.begin) continue;
+    double lost = 0.0, gained = 0.0;
+    for (std::size_t k = 0; k < frame.bins.size(); ++k) {
+      lost += frame.bins[k].dissipation;
+      gained += frame.bins[k].momentum[0] * std::sin(data.conditions.inclination);
+      sliding += frame.sliding[k].dissipation;
+    }
+    work += gained;
+    dissipation += lost;
+    missing.push_back(gained - lost);
   }
-  const FrameMoments mean = mean_moments(window);
-  double dissipation = 0.0, momentum = 0.0, sliding = 0.0;
-  for (std::size_t k = 0; k < mean.bins.size(); ++k) {
-    dissipation += mean.bins[k].dissipation;
-    momentum += mean.bins[k].momentum[0];
-    sliding += mean.sliding[k].dissipation;
-  }
-  const double work = momentum * std::sin(data.conditions.inclination);
-  // Sampled at instants, of collisions that last 0.016: some 1e5 of them in the window.
-  EXPECT_NEAR(dissipation, work, 0.03 * work);
+  const BlockAverage average = block_average(missing);
+  const double frames = static_cast<double>(missing.size());
+  std::printf("missing %g of %g, +- %g\n", average.mean, work / frames, average.error);
+  EXPECT_NEAR(average.mean, 0.0, 4.0 * average.error + 0.02 * work / frames);
   EXPECT_GT(sliding, 0.1 * dissipation);
   EXPECT_LT(sliding, 0.9 * dissipation);
   for (const LocalRow& row : data.rows) {
