@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 #include <sstream>
+#include <utility>
 
 #include "calibration/fit_summary.h"
 #include "dem/statistics.h"
@@ -112,6 +113,17 @@ std::vector<dem::ProfileFrame> steady_frames(const dem::LocalData& data) {
   return frames;
 }
 
+/// The same bins with other frames.
+dem::ProfileFrames with_frames(const dem::ProfileFrames& like,
+                               std::vector<dem::ProfileFrame> frames) {
+  return {.z_begin = like.z_begin,
+          .bin_width = like.bin_width,
+          .frames = std::move(frames),
+          .bins_per_row = like.bins_per_row,
+          .periodic = like.periodic,
+          .kernel = like.kernel};
+}
+
 dem::LocalRow empty_row(const dem::LocalRow& like) {
   dem::LocalRow row;
   row.z = like.z;
@@ -176,8 +188,7 @@ std::vector<std::vector<dem::LocalRow>> block_rows(const dem::LocalData& data) {
   for (std::size_t b = 0; b < count; ++b) {
     const auto first = frames.begin() + static_cast<std::ptrdiff_t>(b * frames.size() / count);
     const auto last = frames.begin() + static_cast<std::ptrdiff_t>((b + 1) * frames.size() / count);
-    dem::ProfileFrames part = data.frames;
-    part.frames = {first, last};
+    const dem::ProfileFrames part = with_frames(data.frames, {first, last});
     const dem::SteadyWindow window{true, part.frames.front().begin, part.frames.back().end, ""};
     blocks.push_back(
         align(dem::average(part, data.conditions, window), data.rows, data.frames.row_width()));

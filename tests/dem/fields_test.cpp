@@ -299,13 +299,19 @@ const LocalData& steady_chute() {
 /// Stress, weight and walls balance where the kernel reaches into the base and above the surface
 /// as they do in the bulk. The base takes the whole weight, so the rows next to it would be off by
 /// all of it without the wall force.
-TEST(SteadyChute, CarriesItsWeightInEveryRowAtEveryWidth) {
+TEST(SteadyChute, CarriesItsWeightInEveryRowAtEveryWidthOfBothKernels) {
   const LocalData& data = steady_chute();
   const double theta = data.conditions.inclination;
   const double base_pressure = data.conditions.mass_per_area * std::cos(theta);
   ASSERT_TRUE(data.window.steady) << data.window.reason;
-  ASSERT_EQ(data.fields.size(), 3u);
-  for (const WidthFields& fields : data.fields) {
+  std::vector<WidthFields> all = data.fields;
+  ASSERT_EQ(all.size(), 3u);
+  ProfileFrames frames = data.frames;  // another kernel, after the fact
+  frames.kernel.shape = KernelShape::gaussian;
+  for (WidthFields& fields : fields_at_widths(frames, data.conditions, data.window)) {
+    all.push_back(std::move(fields));
+  }
+  for (const WidthFields& fields : all) {
     for (std::size_t k = 0; k < fields.values.size(); ++k) {
       const FieldRow& row = fields.values[k];
       const FieldRow& error = fields.errors[k];
