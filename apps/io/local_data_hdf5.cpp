@@ -25,7 +25,7 @@ namespace {
 using namespace dem;
 
 constexpr std::string_view kind = "local data";
-constexpr int format = 2;
+constexpr int format = 3;
 
 constexpr Dimension power{1, 2, -3};
 

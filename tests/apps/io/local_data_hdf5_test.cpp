@@ -302,8 +302,8 @@ TEST(LocalDataHdf5, ForeignFilesAreNamedAsSuch) {
   EXPECT_NE(message("\x89HDF\r\n\x1a\n").find("is an HDF5 file, but not one"), std::string::npos);
   EXPECT_NE(message(seal("checkpoint", 1, "x")).find("a local data file is wanted"),
             std::string::npos);
-  EXPECT_NE(message(seal("local data", 3, "x")).find("has format 3"), std::string::npos);
-  EXPECT_NE(message(seal("local data", 2, "x")).find("cannot read the HDF5 part"),
+  EXPECT_NE(message(seal("local data", 4, "x")).find("has format 4"), std::string::npos);
+  EXPECT_NE(message(seal("local data", 3, "x")).find("cannot read the HDF5 part"),
             std::string::npos);
   EXPECT_NE(refusal(directory / "none.h5").find("No such file"), std::string::npos);
 }
