@@ -23,15 +23,6 @@ struct ContactLoss {
   double sliding = 0.0;
 };
 
-/// A record that is told losses too.
-template <class Record>
-inline constexpr bool sees_loss = std::is_invocable_v<Record&,
-                                                      std::uint32_t,
-                                                      std::uint32_t,
-                                                      const Vec3&,
-                                                      const Vec3&,
-                                                      const ContactLoss&>;
-
 namespace detail {
 
 inline Row8 difference_sign() {  // positions, velocities: first - partner; the others: sum
@@ -88,7 +79,7 @@ class ForceLoop {
       : law_(law), setting_(setting), particles_(particles), memory_(memory) {}
 
   /// Adds the forces of acting pairs [begin, end) of the strip; record(first, partner, branch,
-  /// force_on_first[, loss]) sees each of them.
+  /// force_on_first, loss) sees each of them.
   template <class Record>
   void add(Strip& strip, std::size_t begin, std::size_t end, Record&& record) {
     PackSums sums = sums_;
@@ -305,18 +296,11 @@ template <class Record>
       const auto element = [&](const Vector3<Pack>& v) {
         return Vec3{v.x[lane], v.y[lane], v.z[lane]};
       };
-      const auto tell = [&](const auto&... loss) {
-        record(pairs.first[lane],
-               pairs.second[lane],
-               element(pairs.branch),
-               element(pairs.force),
-               loss...);
-      };
-      if constexpr (sees_loss<Record>) {
-        tell(ContactLoss{pairs.dissipated[lane], pairs.slip[lane]});
-      } else {
-        tell();
-      }
+      record(pairs.first[lane],
+             pairs.second[lane],
+             element(pairs.branch),
+             element(pairs.force),
+             ContactLoss{pairs.dissipated[lane], pairs.slip[lane]});
     }
   }
 }
