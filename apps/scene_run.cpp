@@ -122,6 +122,35 @@ std::optional<int> few_samples(const dem::LocalData& data) {
   return static_cast<int>(std::lround(least));
 }
 
+const dem::FieldRow* row_at(const dem::WidthFields& fields, double z) {
+  const double k = std::floor((z - fields.z_begin) / fields.row_width);
+  const bool inside = k >= 0.0 && k < static_cast<double>(fields.values.size());
+  return inside ? &fields.values[static_cast<std::size_t>(k)] : nullptr;
+}
+
+/// What half and twice the width of the kernel make of a row.
+void add_width_dependence(Summary& summary, const dem::LocalData& data, double z) {
+  if (data.fields.size() != 3) return;  // a homogeneous box has no kernel
+  const dem::Kernel& kernel = data.frames.kernel;
+  summary.add("kernel", "  kernel", fmt::format("{}, w = {} d", name(kernel.shape), kernel.width));
+  const dem::FieldRow* at_width = row_at(data.fields[1], z);
+  const auto add = [&](const char* key, const char* label, const dem::FieldRow* other) {
+    if (at_width == nullptr || other == nullptr) return;
+    const auto percent = [&](double dem::FieldRow::*field) {
+      return fmt::format("{:+.2g} %", 100.0 * (other->*field / at_width->*field - 1.0));
+    };
+    summary.add(key,
+                label,
+                fmt::format("shear rate {}, volume fraction {}, mu {}, temperature {}",
+                            percent(&dem::FieldRow::shear_rate),
+                            percent(&dem::FieldRow::volume_fraction),
+                            percent(&dem::FieldRow::friction),
+                            percent(&dem::FieldRow::temperature)));
+  };
+  add("at_half_width", "    at w/2", row_at(data.fields[0], z));
+  add("at_double_width", "    at 2 w", row_at(data.fields[2], z));
+}
+
 Summary describe(const dem::LocalData& data) {
   const dem::RunSummary& run = data.summary;
   Summary summary;
@@ -147,6 +176,7 @@ Summary describe(const dem::LocalData& data) {
     add("friction", "  stress ratio mu", middle.friction, "");
     add("inertial_number", "  inertial number I", middle.inertial_number, "");
     summary.add("effective_samples", "  independent samples", middle.effective_samples);
+    add_width_dependence(summary, data, middle.z);
   }
   if (data.lifetimes) add_lifetimes(*data.lifetimes, summary);
   if (const auto few = few_samples(data)) {

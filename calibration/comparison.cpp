@@ -173,13 +173,13 @@ double frame_error(const dem::LocalData& measured,
                    const std::vector<std::size_t>& chosen,
                    const dem::ProfileFrame& frame,
                    const Profile& predicted) {
-  const std::vector<double> velocity = dem::velocities(frame);
+  const std::vector<double> velocity = dem::velocities(frame, measured.frames.bins_per_row);
   double difference = 0.0, norm = 0.0;
   for (const std::size_t k : chosen) {
     const LocalRow& row = measured.rows[k];
     norm += row.velocity.value * row.velocity.value;
     const auto bin = static_cast<std::size_t>(
-        std::floor((row.z - measured.frames.z_begin) / measured.frames.bin_width));
+        std::floor((row.z - measured.frames.z_begin) / measured.frames.row_width()));
     if (bin >= velocity.size() || !std::isfinite(velocity[bin])) continue;
     difference += std::pow(velocity_at(predicted, row.z) - velocity[bin], 2);
   }

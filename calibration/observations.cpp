@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 #include <sstream>
+#include <utility>
 
 #include "calibration/fit_summary.h"
 #include "dem/statistics.h"
@@ -112,6 +113,17 @@ std::vector<dem::ProfileFrame> steady_frames(const dem::LocalData& data) {
   return frames;
 }
 
+/// The same bins with other frames.
+dem::ProfileFrames with_frames(const dem::ProfileFrames& like,
+                               std::vector<dem::ProfileFrame> frames) {
+  return {.z_begin = like.z_begin,
+          .bin_width = like.bin_width,
+          .frames = std::move(frames),
+          .bins_per_row = like.bins_per_row,
+          .periodic = like.periodic,
+          .kernel = like.kernel};
+}
+
 dem::LocalRow empty_row(const dem::LocalRow& like) {
   dem::LocalRow row;
   row.z = like.z;
@@ -122,11 +134,11 @@ dem::LocalRow empty_row(const dem::LocalRow& like) {
 /// The rows of `block` at the heights of the whole run; no values where the block has no such row.
 std::vector<dem::LocalRow> align(const std::vector<dem::LocalRow>& block,
                                  const std::vector<dem::LocalRow>& whole,
-                                 double bin_width) {
+                                 double row_width) {
   std::vector<dem::LocalRow> aligned;
   for (const dem::LocalRow& row : whole) {
     const auto found = std::find_if(block.begin(), block.end(), [&](const dem::LocalRow& other) {
-      return std::abs(other.z - row.z) < 0.25 * bin_width;
+      return std::abs(other.z - row.z) < 0.25 * row_width;
     });
     // Bins of the saltating layer may be empty for a block; such a row has no value there.
     aligned.push_back(found == block.end() ? empty_row(row) : *found);
@@ -176,10 +188,10 @@ std::vector<std::vector<dem::LocalRow>> block_rows(const dem::LocalData& data) {
   for (std::size_t b = 0; b < count; ++b) {
     const auto first = frames.begin() + static_cast<std::ptrdiff_t>(b * frames.size() / count);
     const auto last = frames.begin() + static_cast<std::ptrdiff_t>((b + 1) * frames.size() / count);
-    dem::ProfileFrames part{data.frames.z_begin, data.frames.bin_width, {first, last}};
+    const dem::ProfileFrames part = with_frames(data.frames, {first, last});
     const dem::SteadyWindow window{true, part.frames.front().begin, part.frames.back().end, ""};
     blocks.push_back(
-        align(dem::average(part, data.conditions, window), data.rows, data.frames.bin_width));
+        align(dem::average(part, data.conditions, window), data.rows, data.frames.row_width()));
   }
   return blocks;
 }

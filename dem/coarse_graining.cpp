@@ -14,6 +14,24 @@ void add_dyad(std::array<double, 6>& sum, const Vec3& a, const Vec3& b, double f
   sum[5] += factor * a.y * b.z;
 }
 
+void add_tensor(std::array<double, 9>& sum, const Vec3& a, const Vec3& b, double factor) {
+  sum[0] += factor * a.x * b.x;
+  sum[1] += factor * a.y * b.y;
+  sum[2] += factor * a.z * b.z;
+  sum[3] += factor * a.x * b.y;
+  sum[4] += factor * a.x * b.z;
+  sum[5] += factor * a.y * b.z;
+  sum[6] += factor * a.y * b.x;
+  sum[7] += factor * a.z * b.x;
+  sum[8] += factor * a.z * b.y;
+}
+
+void add_vector(std::array<double, 3>& sum, const Vec3& a, double factor) {
+  sum[0] += factor * a.x;
+  sum[1] += factor * a.y;
+  sum[2] += factor * a.z;
+}
+
 Vec3 mean_velocity(const Particles& particles, const Dynamics& dynamics) {
   double mass = 0.0;
   Vec3 momentum;
@@ -41,8 +59,9 @@ double Bins::coordinate(const Vec3& position) const {
   return axis == ProfileAxis::y ? position.y : std::hypot(position.x, position.y);
 }
 
-FrameSampler::FrameSampler(std::size_t bins) {
+FrameSampler::FrameSampler(std::size_t bins, bool friction) {
   frame_.bins.resize(bins);
+  if (friction) frame_.sliding.resize(bins);
 }
 
 void FrameSampler::sample(const Bins& bins,
@@ -84,13 +103,12 @@ void FrameSampler::add_grain(const Bins& bins, const Vec3& position, const Vec3&
     if (bins.periodic) offset -= extent * std::round(offset / extent);
     const double density = mass / bins.volume(k);
     bin.mass += density;
-    bin.momentum[0] += density * v.x;
-    bin.momentum[1] += density * v.y;
-    bin.momentum[2] += density * v.z;
+    bin.grains += 1.0 / bins.volume(k);
+    add_vector(bin.momentum, v, density);
     add_dyad(bin.momentum_flux, v, v, density);
     bin.mass_offset += density * offset;
     bin.mass_offset_squared += density * offset * offset;
-    bin.momentum_offset += density * offset * v.x;
+    add_vector(bin.momentum_offset, v, density * offset);
   });
 }
 
@@ -100,22 +118,45 @@ void FrameSampler::add_contact(const Bins& bins,
   const bool frozen = particles.state[contact.second].inverse_mass == 0.0;
   const GrainState& first = particles.state[contact.first];
   const double radius_sum = first.radius + particles.state[contact.second].radius;
-  const Vec3 branch = frozen ? (first.radius / radius_sum) * contact.branch : contact.branch;
-  const Vec3 end = first.position - branch;
+  const Vec3 point = first.position - first.radius / radius_sum * contact.branch;
+  const Vec3 end = frozen ? point : first.position - contact.branch;
   const double s1 = bins.coordinate(first.position);
   const double s2 = bins.coordinate(end);
-  const Vec3 middle = first.position - 0.5 * branch;
+  const double at = bins.coordinate(point);
+  const Vec3 middle = 0.5 * (first.position + end);
   const Vec3 force = seen(bins, middle, contact.force);
-  const Vec3 arm = seen(bins, middle, branch);
+  const Vec3 arm = seen(bins, middle, first.position - end);
   share_stretch(bins, s1, s2, [&](std::size_t k, double share) {
-    add_dyad(frame_.bins[k].contact_stress, force, arm, share / bins.volume(k));
+    add_tensor(frame_.bins[k].contact_stress, force, arm, share / bins.volume(k));
   });
+  if (frozen) {
+    share_stretch(bins, at, at, [&](std::size_t k, double) {
+      const double density = 1.0 / bins.volume(k);
+      add_vector(frame_.bins[k].wall_force, force, density);
+      add_vector(frame_.bins[k].wall_force_offset, force, density * (at - bins.centre(k)));
+    });
+  }
   if (square(contact.branch) >= radius_sum * radius_sum) return;  // a pull across a gap
+  const double square_arm = square(arm);
   const auto count = [&](std::size_t k, double) {
-    frame_.bins[k].contacts += 1.0 / bins.volume(k);
+    const double density = 1.0 / bins.volume(k);
+    frame_.bins[k].contacts += density;
+    add_dyad(frame_.bins[k].fabric, arm, arm, density / square_arm);
   };
   share_stretch(bins, s1, s1, count);
   if (!frozen) share_stretch(bins, s2, s2, count);
+  count_contact(bins, at, contact);
+}
+
+void FrameSampler::count_contact(const Bins& bins, double point, const ContactSample& contact) {
+  share_stretch(bins, point, point, [&](std::size_t k, double) {
+    const double density = 1.0 / bins.volume(k);
+    frame_.bins[k].contact_points += density;
+    frame_.bins[k].dissipation += density * contact.dissipation;
+    if (frame_.sliding.empty() || contact.sliding_dissipation == 0.0) return;
+    frame_.sliding[k].contact_points += density;
+    frame_.sliding[k].dissipation += density * contact.sliding_dissipation;
+  });
 }
 
 ProfileFrame FrameSampler::finish() {
@@ -124,9 +165,14 @@ ProfileFrame FrameSampler::finish() {
   ProfileFrame frame{.samples = frame_.samples,
                      .centre_of_mass = frame_.centre_of_mass * per_sample,
                      .kinetic_energy = frame_.kinetic_energy * per_sample,
-                     .bins = std::vector<BinMoments>(count)};
+                     .bins = std::vector<BinMoments>(count),
+                     .sliding = std::vector<SlidingMoments>(frame_.sliding.size())};
   for (std::size_t k = 0; k < count; ++k) add_scaled(frame.bins[k], frame_.bins[k], per_sample);
-  frame_ = {.bins = std::vector<BinMoments>(count)};
+  for (std::size_t k = 0; k < frame.sliding.size(); ++k) {
+    add_scaled(frame.sliding[k], frame_.sliding[k], per_sample);
+  }
+  frame_ = {.bins = std::vector<BinMoments>(count),
+            .sliding = std::vector<SlidingMoments>(frame.sliding.size())};
   return frame;
 }
 

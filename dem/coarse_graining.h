@@ -15,8 +15,10 @@ namespace grainlaw::dem {
 struct ContactSample {
   std::uint32_t first;
   std::uint32_t second;
-  Vec3 branch;  ///< from the centre of the second to that of the first [length]
-  Vec3 force;   ///< on the first [force]
+  Vec3 branch;               ///< from the centre of the second to that of the first [length]
+  Vec3 force;                ///< on the first [force]
+  double dissipation = 0.0;  ///< by dashpots and sliding [power]
+  double sliding_dissipation = 0.0;  ///< [power]; 0: the contact does not slide
 };
 
 /// Along what profiles are taken, and the axes in which vectors are then seen.
@@ -45,14 +47,15 @@ struct Bins {
   double coordinate(const Vec3& position) const;
 };
 
-/// Adds samples of all fields up to the average over one frame. Grains are point masses at their
+/// Adds samples of all moments up to the average over one frame. Grains are point masses at their
 /// centres; a contact acts along its branch, each bin getting the share of the branch it holds
-/// (Goldhirsch 2010; Weinhart et al. 2012, with a box along the axis as the kernel). The branch of
-/// a contact with a frozen grain ends at the contact point: above all such points sigma_zz is the
-/// weight above, exactly, in the mean.
+/// (Goldhirsch 2010). The branch of a contact with a frozen grain or a wall ends at the contact
+/// point, where its force is that of a wall (Weinhart et al. 2012): above all such points sigma_zz
+/// is the weight above, exactly, in the mean.
 class FrameSampler {
  public:
-  explicit FrameSampler(std::size_t bins);
+  /// `friction`: contacts slide, and that is counted.
+  explicit FrameSampler(std::size_t bins, bool friction = false);
 
   /// `bins` as they are now: those of a driven box move with it.
   void sample(const Bins& bins,
@@ -67,6 +70,7 @@ class FrameSampler {
  private:
   void add_grain(const Bins& bins, const Vec3& position, const Vec3& velocity, double mass);
   void add_contact(const Bins& bins, const Particles& particles, const ContactSample& contact);
+  void count_contact(const Bins& bins, double point, const ContactSample& contact);
 
   ProfileFrame frame_;
 };

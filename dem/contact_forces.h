@@ -16,6 +16,13 @@ namespace grainlaw::dem {
 /// For steps that nobody looks at.
 struct NoRecord {};
 
+/// What a contact dissipates in a step, dashpots and sliding together, and of it by sliding
+/// [energy]; 0 for one that does not slide.
+struct ContactLoss {
+  double all = 0.0;
+  double sliding = 0.0;
+};
+
 namespace detail {
 
 inline Row8 difference_sign() {  // positions, velocities: first - partner; the others: sum
@@ -45,8 +52,10 @@ struct PackOfPairs {
   Vector3<Pack> spin;      ///< sum of R omega [length/time]
   Pack grip;               ///< sum of grips
   TangentialSpring<Pack> spring;
-  Vector3<Pack> force;   ///< on the first, the result [force]
-  Vector3<Pack> torque;  ///< on both, over their radius [force]
+  Vector3<Pack> force;    ///< on the first, the result [force]
+  Vector3<Pack> torque;   ///< on both, over their radius [force]
+  Pack dissipated = 0.0;  ///< in this step, for records [energy]
+  Pack slip = 0.0;        ///< of it, by sliding [energy]
 };
 
 /// Sums over packs, before the lanes are added up.
@@ -70,7 +79,7 @@ class ForceLoop {
       : law_(law), setting_(setting), particles_(particles), memory_(memory) {}
 
   /// Adds the forces of acting pairs [begin, end) of the strip; record(first, partner, branch,
-  /// force_on_first) sees each of them.
+  /// force_on_first, loss) sees each of them.
   template <class Record>
   void add(Strip& strip, std::size_t begin, std::size_t end, Record&& record) {
     PackSums sums = sums_;
@@ -232,12 +241,15 @@ template <class Law>
   if constexpr (Law::attracts) force.normal = select(valid, force.normal, Pack(0.0));
   pairs.force = force.normal * contact.normal + force.tangential;
   sums.normal_dashpot += force.normal_dashpot;
+  pairs.dissipated = force.normal_dashpot;
   if (setting_.moving_images) sums.virial_yy += pairs.force.y * pairs.branch.y;
   sums.largest_overlap = max(sums.largest_overlap, overlap_to_watch(pairs, contact));
   if constexpr (Law::rotates) {
     pairs.torque = -arm * cross(contact.normal, force.tangential);
     sums.tangential_dashpot += force.friction.dashpot;
     sums.slip += force.friction.slip;
+    pairs.dissipated += force.friction.dashpot + force.friction.slip;
+    pairs.slip = force.friction.slip;
     sums.tangential_energy += force.friction.elastic_energy;
     if constexpr (Law::attracts) sums.spring_lost += force.spring_lost;
     if constexpr (!decltype(law_.normal)::constant_prefactor) {
@@ -284,7 +296,11 @@ template <class Record>
       const auto element = [&](const Vector3<Pack>& v) {
         return Vec3{v.x[lane], v.y[lane], v.z[lane]};
       };
-      record(pairs.first[lane], pairs.second[lane], element(pairs.branch), element(pairs.force));
+      record(pairs.first[lane],
+             pairs.second[lane],
+             element(pairs.branch),
+             element(pairs.force),
+             ContactLoss{pairs.dissipated[lane], pairs.slip[lane]});
     }
   }
 }

@@ -284,7 +284,7 @@ void ContactLifetimes::end_block(double time) {
 }
 
 double ContactLifetimes::shear_rate(const LocalData& data) const {
-  const double half = 0.5 * data.frames.bin_width;
+  const double half = 0.5 * data.frames.row_width();
   double sum = 0.0, weight = 0.0;
   for (const LocalRow& row : data.rows) {
     const double overlap =

@@ -6,8 +6,9 @@
 
 namespace grainlaw::dem {
 
-/// Is told of each acting pair: first, partner, branch, force on the first.
-using PairRecord = std::function<void(std::uint32_t, std::uint32_t, const Vec3&, const Vec3&)>;
+/// Is told of each acting pair: first, partner, branch, force on the first, what it dissipates.
+using PairRecord =
+    std::function<void(std::uint32_t, std::uint32_t, const Vec3&, const Vec3&, const ContactLoss&)>;
 
 /// The work of every step on the pairs of one strip, compiled once for each law a scene can choose
 /// (contact_loops_*.cpp) instead of in every file that simulates.

@@ -11,6 +11,25 @@ namespace grainlaw::dem {
 namespace {
 
 constexpr std::size_t numbers_per_bin = sizeof(BinMoments) / sizeof(double);
+constexpr std::size_t numbers_per_sliding = sizeof(SlidingMoments) / sizeof(double);
+
+bool has_friction(const Scene& scene) {
+  return !std::holds_alternative<Frictionless>(scene.friction);
+}
+
+template <class Moments>
+void append(std::vector<double>& numbers, const std::vector<Moments>& moments) {
+  const auto* first = reinterpret_cast<const double*>(moments.data());
+  numbers.insert(numbers.end(), first, first + moments.size() * sizeof(Moments) / sizeof(double));
+}
+
+template <class Moments>
+std::vector<Moments> taken(const double*& from, std::size_t count) {
+  std::vector<Moments> moments(count);
+  std::memcpy(static_cast<void*>(moments.data()), from, count * sizeof(Moments));
+  from += count * sizeof(Moments) / sizeof(double);
+  return moments;
+}
 
 double coordination(const ProfileFrames& frames, double begin, double mean_mass) {
   double contacts = 0.0, mass = 0.0;
@@ -27,15 +46,21 @@ double coordination(const ProfileFrames& frames, double begin, double mean_mass)
 }  // namespace
 
 FlowRecord::FlowRecord(const Scene& scene, const Box& box)
-    : scene_(scene), sampler_(profile_bins(scene, box).count), criteria_(steady_criteria(scene)) {
+    : scene_(scene),
+      sampler_(profile_bins(scene, box).count, has_friction(scene)),
+      criteria_(steady_criteria(scene)) {
   const Measurement& m = scene.measurement;
   const Bins bins = profile_bins(scene, box);
   steps_per_sample_ = std::max(1L, std::lround(m.sample_interval / time_step(scene)));
   samples_per_frame_ = std::max(1L, std::lround(m.frame_interval / m.sample_interval));
   data_.name = scene.name;
   data_.conditions = conditions(scene);
-  data_.frames.z_begin = bins.begin;
-  data_.frames.bin_width = bins.width;
+  data_.frames = {.z_begin = bins.begin,
+                  .bin_width = bins.width,
+                  .frames = {},
+                  .bins_per_row = bins.count == 1 ? 1 : bins_per_row(m),
+                  .periodic = bins.periodic,
+                  .kernel = bins.count == 1 ? Kernel{} : m.kernel};
   data_.summary.time_step = time_step(scene);
   data_.summary.contact_time = shortest_contact_time(scene);
 }
@@ -78,6 +103,7 @@ LocalData FlowRecord::finish(const SimulationBase& simulation,
   }
   data_.window = steady_window(assessment_, frames);
   data_.rows = average(data_.frames, data_.conditions, data_.window);
+  data_.fields = fields_at_widths(data_.frames, data_.conditions, data_.window);
   RunSummary& summary = data_.summary;
   const Particles& particles = simulation.particles();
   summary.steps = simulation.steps();
@@ -106,10 +132,8 @@ void FlowRecord::save(Checkpoint& to) const {
                    static_cast<double>(frame.samples),
                    frame.centre_of_mass,
                    frame.kinetic_energy});
-    for (const BinMoments& bin : frame.bins) {
-      const auto* first = reinterpret_cast<const double*>(&bin);
-      frames.insert(frames.end(), first, first + numbers_per_bin);
-    }
+    append(frames, frame.bins);
+    append(frames, frame.sliding);
   }
   to.numbers["record/frames"] = std::move(frames);
   to.numbers["record/sums"] = {width_sum_};
@@ -122,17 +146,18 @@ void FlowRecord::save(Checkpoint& to) const {
 void FlowRecord::restore(const Checkpoint& from) {
   const std::vector<double>& frames = entry(from.numbers, "record/frames");
   const std::size_t bins = sampler_.bins();
-  const std::size_t stride = 5 + bins * numbers_per_bin;
+  const std::size_t sliding = has_friction(scene_) ? bins : 0;
+  const std::size_t stride = 5 + bins * numbers_per_bin + sliding * numbers_per_sliding;
   if (frames.size() % stride != 0) throw CheckpointError("the frames of another scene");
   for (std::size_t at = 0; at < frames.size(); at += stride) {
-    ProfileFrame frame{.begin = frames[at],
-                       .end = frames[at + 1],
-                       .samples = static_cast<int>(frames[at + 2]),
-                       .centre_of_mass = frames[at + 3],
-                       .kinetic_energy = frames[at + 4],
-                       .bins = std::vector<BinMoments>(bins)};
-    std::memcpy(static_cast<void*>(frame.bins.data()), &frames[at + 5], bins * sizeof(BinMoments));
-    data_.frames.frames.push_back(std::move(frame));
+    const double* moments = &frames[at + 5];
+    data_.frames.frames.push_back({.begin = frames[at],
+                                   .end = frames[at + 1],
+                                   .samples = static_cast<int>(frames[at + 2]),
+                                   .centre_of_mass = frames[at + 3],
+                                   .kinetic_energy = frames[at + 4],
+                                   .bins = taken<BinMoments>(moments, bins),
+                                   .sliding = taken<SlidingMoments>(moments, sliding)});
   }
   width_sum_ = entry(from.numbers, "record/sums", 1)[0];
   const auto& contacts = entry(from.integers, "record/contacts", 2);

@@ -124,10 +124,14 @@ class FlowRun {
         if (lifetimes_) lifetimes_->follow(simulation_);
       }
       contacts_.clear();
-      simulation_.step(
-          [&](std::uint32_t i, std::uint32_t j, const Vec3& branch, const Vec3& force) {
-            contacts_.push_back({i, j, branch, force});
-          });
+      simulation_.step([&](std::uint32_t i,
+                           std::uint32_t j,
+                           const Vec3& branch,
+                           const Vec3& force,
+                           const ContactLoss& loss) {
+        const double rate = 1.0 / simulation_.setup().dynamics.time_step;
+        contacts_.push_back({i, j, branch, force, rate * loss.all, rate * loss.sliding});
+      });
       record_.sample(simulation_, contacts_);
       if (lifetimes_) sample_lifetimes();
       if (due_snapshots() > snapshots_) take_snapshot();

@@ -129,12 +129,13 @@ void add_geometry(const SplitBottom& cell,
 
 Bins layer_bins(const Scene& scene, double below, double above, double area) {
   const double width = scene.measurement.bin_width;
-  const double bins_below = std::ceil(below / width);
+  const double rows_below = std::ceil(below / width);
+  const std::size_t fine = bins_per_row(scene.measurement);
   return {.axis = ProfileAxis::z,
-          .begin = -bins_below * width,
-          .width = width,
+          .begin = -rows_below * width,
+          .width = width / static_cast<double>(fine),
           .area = area,
-          .count = static_cast<std::size_t>(bins_below + std::ceil(above / width))};
+          .count = fine * static_cast<std::size_t>(rows_below + std::ceil(above / width))};
 }
 
 double base_thickness(const Base& base) {
@@ -171,7 +172,8 @@ Bins bins_of(const BodyForceBox& force, const Scene& scene, const Box& box) {
   const double start_height =
       grains(scene) * scene.grains.mean_mass() /
       (force.volume_fraction * scene.grains.density() * force.length * force.width);
-  const double count = std::max(4.0, std::round(start_height / scene.measurement.bin_width));
+  const double rows = std::max(4.0, std::round(start_height / scene.measurement.bin_width));
+  const double count = rows * static_cast<double>(bins_per_row(scene.measurement));
   return {.axis = ProfileAxis::y,
           .periodic = true,
           .width = box.period.y / count,
@@ -187,12 +189,13 @@ Bins bins_of(const SplitBottom& cell, const Scene& scene, const Box&) {
       (cell.outer_radius * cell.outer_radius - cell.inner_radius * cell.inner_radius);
   const double height = grains(scene) * scene.grains.mean_mass() /
                         (nominal_packing * scene.grains.density() * annulus);
-  const double count = std::floor((cell.outer_radius - cell.inner_radius) / width);
+  const double rows = std::floor((cell.outer_radius - cell.inner_radius) / width);
+  const std::size_t fine = bins_per_row(scene.measurement);
   return {.axis = ProfileAxis::radius,
           .begin = cell.inner_radius,
-          .width = width,
+          .width = width / static_cast<double>(fine),
           .area = cell.wedge * height,
-          .count = static_cast<std::size_t>(std::max(1.0, count))};
+          .count = fine * static_cast<std::size_t>(std::max(1.0, rows))};
 }
 
 }  // namespace
@@ -222,6 +225,13 @@ std::optional<SimulationSetup> settling_setup(const Scene& scene, const InitialS
     return std::nullopt;  // packed at their volume fraction: sheared from the first step
   }
   return setup;
+}
+
+std::size_t bins_per_row(const Measurement& measurement) {
+  constexpr double finest = 0.25;  // [width of the kernel]
+  const double rounding = 1e-9;
+  const double bins = measurement.bin_width / (finest * measurement.kernel.width);
+  return static_cast<std::size_t>(std::max(1.0, std::ceil(bins - rounding)));
 }
 
 Bins profile_bins(const Scene& scene, const Box& box) {

@@ -17,6 +17,9 @@ SimulationSetup flow_setup(const Scene& scene, const InitialState& initial);
 /// not moving. Absent where there is nothing to settle.
 std::optional<SimulationSetup> settling_setup(const Scene& scene, const InitialState& initial);
 
+/// Bins are finer than the rows of fields, at least four to the width of the kernel.
+std::size_t bins_per_row(const Measurement& measurement);
+
 /// How profiles are taken, for the box as it is now.
 Bins profile_bins(const Scene& scene, const Box& box);
 

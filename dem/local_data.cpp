@@ -1,6 +1,7 @@
 #include "dem/local_data.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <span>
 
@@ -9,22 +10,9 @@
 namespace grainlaw::dem {
 namespace {
 
-using Moments = std::vector<BinMoments>;
-
-/// The fields of one bin.
-enum Field {
-  velocity,
-  shear_rate,
-  volume_fraction,
-  shear_stress,
-  normal_stress,
-  temperature,
-  inertial_number,
-  softness,
-  friction,
-  fields
-};
-using Fields = std::array<double, fields>;
+constexpr std::size_t field_numbers = sizeof(FieldRow) / sizeof(double);
+using FieldNumbers = std::array<double, field_numbers>;
+using FieldRows = std::vector<FieldRow>;
 
 std::span<const ProfileFrame> frames_inside(const ProfileFrames& frames,
                                             const SteadyWindow& window) {
@@ -36,163 +24,129 @@ std::span<const ProfileFrame> frames_inside(const ProfileFrames& frames,
   return {first, last};
 }
 
-Moments mean_moments(std::span<const ProfileFrame> frames) {
-  Moments mean(frames.empty() ? 0 : frames.front().bins.size());
-  double samples = 0.0;
-  for (const ProfileFrame& frame : frames) samples += frame.samples;
-  for (const ProfileFrame& frame : frames) {
-    for (std::size_t k = 0; k < mean.size(); ++k) {
-      add_scaled(mean[k], frame.bins[k], frame.samples / samples);
+/// The mean moved a little towards one frame.
+FrameMoments moved(const FrameMoments& mean, const ProfileFrame& frame, double epsilon) {
+  FrameMoments result = mean;
+  const auto move = [&](auto& to, const auto& from, const auto& towards) {
+    for (std::size_t k = 0; k < to.size(); ++k) {
+      to[k] = {};
+      add_scaled(to[k], from[k], 1.0 - epsilon);
+      add_scaled(to[k], towards[k], epsilon);
     }
+  };
+  move(result.bins, mean.bins, frame.bins);
+  move(result.sliding, mean.sliding, frame.sliding);
+  return result;
+}
+
+/// Fields of a window and what each frame adds to them, to first order in its distance from the
+/// mean: series whose means are the fields and whose scatter gives their errors, for ratios and
+/// slopes alike.
+struct FieldSeries {
+  FieldRows mean;
+  std::vector<FieldRows> frames;  ///< [frame][row]
+
+  std::vector<double> series(std::size_t row, std::size_t number) const {
+    std::vector<double> result;
+    result.reserve(frames.size());
+    for (const FieldRows& rows : frames) {
+      result.push_back(std::bit_cast<FieldNumbers>(rows[row])[number]);
+    }
+    return result;
   }
-  return mean;
-}
-
-/// Mean velocity of a bin and the height it belongs to: that of the centre of mass in the bin.
-struct VelocityPoint {
-  double z;
-  double velocity;
 };
 
-VelocityPoint velocity_point(const Moments& moments, std::size_t k, double bin_width) {
-  const BinMoments& bin = moments[k];
-  return {static_cast<double>(k) * bin_width + bin.mass_offset / bin.mass,
-          bin.momentum[0] / bin.mass};
+FieldRow extrapolated(const FieldRow& centre, const FieldRow& near, double epsilon) {
+  const auto from = std::bit_cast<FieldNumbers>(centre);
+  auto to = std::bit_cast<FieldNumbers>(near);
+  for (std::size_t k = 0; k < field_numbers; ++k) to[k] = from[k] + (to[k] - from[k]) / epsilon;
+  return std::bit_cast<FieldRow>(to);
 }
 
-/// Central difference over the neighbouring bins, one-sided at the ends of the layer.
-double slope(const Moments& moments, std::size_t k, double bin_width) {
-  const auto filled = [&](std::size_t j) { return j < moments.size() && moments[j].mass > 0.0; };
-  const std::size_t below = k > 0 && filled(k - 1) ? k - 1 : k;
-  const std::size_t above = filled(k + 1) ? k + 1 : k;
-  if (below == above) return std::nan("");
-  const VelocityPoint low = velocity_point(moments, below, bin_width);
-  const VelocityPoint high = velocity_point(moments, above, bin_width);
-  return (high.velocity - low.velocity) / (high.z - low.z);
-}
-
-double velocity_at_centre(const Moments& moments, std::size_t k, double bin_width) {
-  const BinMoments& bin = moments[k];
-  const double gradient = slope(moments, k, bin_width);
-  const double mean = bin.momentum[0] / bin.mass;
-  return std::isnan(gradient) ? mean : mean - gradient * bin.mass_offset / bin.mass;
-}
-
-/// Mean square of the fluctuation of v_x about the straight line through the bin: about the mean
-/// alone it would hold the spurious part (gd w)^2 / 12.
-double variance_about_line(const BinMoments& bin) {
-  const double mean = bin.momentum[0] / bin.mass;
-  const double offset = bin.mass_offset / bin.mass;
-  const double offset_variance = bin.mass_offset_squared / bin.mass - offset * offset;
-  const double covariance = bin.momentum_offset / bin.mass - offset * mean;
-  const double explained = offset_variance > 0.0 ? covariance * covariance / offset_variance : 0.0;
-  return bin.momentum_flux[0] / bin.mass - mean * mean - explained;
-}
-
-double kinetic_stress(const BinMoments& bin, std::size_t component, std::size_t a, std::size_t b) {
-  return bin.momentum_flux[component] - bin.momentum[a] * bin.momentum[b] / bin.mass;
-}
-
-/// Components of stress in the order xx yy zz xy xz yz, and of the gradient.
-struct Components {
-  std::size_t normal, shear, gradient;
-};
-Components components(const ChuteConditions& conditions) {
-  const bool box = conditions.geometry == "simple_shear" || conditions.geometry == "body_force_box";
-  return box ? Components{1, 3, 1} : Components{2, 4, 2};
-}
-
-Fields fields_of(const Moments& moments,
-                 std::size_t k,
-                 double bin_width,
-                 const ChuteConditions& c) {
-  const BinMoments& bin = moments[k];
-  const Components at = components(c);
-  Fields f{};
-  f[velocity] = velocity_at_centre(moments, k, bin_width);
-  f[shear_rate] = c.shear_rate != 0.0 ? c.shear_rate : slope(moments, k, bin_width);
-  f[volume_fraction] = bin.mass / c.grain_density;
-  f[shear_stress] = -(bin.contact_stress[at.shear] + kinetic_stress(bin, at.shear, 0, at.gradient));
-  f[normal_stress] =
-      bin.contact_stress[at.normal] + kinetic_stress(bin, at.normal, at.gradient, at.gradient);
-  f[temperature] = (variance_about_line(bin) + kinetic_stress(bin, 1, 1, 1) / bin.mass +
-                    kinetic_stress(bin, 2, 2, 2) / bin.mass) /
-                   3.0;
-  f[inertial_number] =
-      f[shear_rate] * c.grain_diameter * std::sqrt(c.grain_density / f[normal_stress]);
-  f[softness] = f[normal_stress] * c.grain_diameter / c.stiffness;
-  f[friction] = f[shear_stress] / f[normal_stress];
-  return f;
-}
-
-/// What each frame adds to the fields of a bin, to first order in its distance from the mean: a
-/// series whose mean is the field and whose scatter gives its error, for ratios and slopes alike.
-std::array<std::vector<double>, fields> linearised(std::span<const ProfileFrame> frames,
-                                                   const Moments& mean,
-                                                   std::size_t k,
-                                                   double bin_width,
-                                                   const ChuteConditions& conditions) {
+FieldSeries linearised(std::span<const ProfileFrame> frames,
+                       const ProfileFrames& grid,
+                       const Kernel& kernel,
+                       const ChuteConditions& conditions) {
   constexpr double epsilon = 1e-5;
-  const Fields centre = fields_of(mean, k, bin_width, conditions);
-  std::array<std::vector<double>, fields> series;
-  Moments varied = mean;
-  const std::size_t first = k > 0 ? k - 1 : k;
-  const std::size_t last = std::min(k + 1, mean.size() - 1);
+  const FrameMoments mean = mean_moments(frames);
+  FieldSeries series{.mean = coarse_grain(mean, grid, kernel, conditions), .frames = {}};
   for (const ProfileFrame& frame : frames) {
-    for (std::size_t j = first; j <= last; ++j) {
-      varied[j] = {};
-      add_scaled(varied[j], mean[j], 1.0 - epsilon);
-      add_scaled(varied[j], frame.bins[j], epsilon);
-    }
-    const Fields f = fields_of(varied, k, bin_width, conditions);
-    for (std::size_t i = 0; i < fields; ++i) {
-      series[i].push_back(centre[i] + (f[i] - centre[i]) / epsilon);
+    FieldRows& rows = series.frames.emplace_back(
+        coarse_grain(moved(mean, frame, epsilon), grid, kernel, conditions));
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+      rows[k] = extrapolated(series.mean[k], rows[k], epsilon);
     }
   }
   return series;
 }
 
-LocalRow make_row(std::span<const ProfileFrame> frames,
-                  const Moments& mean,
-                  std::size_t k,
-                  double bin_width,
-                  const ChuteConditions& conditions) {
-  const Fields centre = fields_of(mean, k, bin_width, conditions);
-  const auto series = linearised(frames, mean, k, bin_width, conditions);
-  const auto estimate = [&](Field field) {
-    const BlockAverage average = block_average(series[field]);
-    return Estimate{centre[field], average.error, average.effective_samples};
+/// Where a field stands in a FieldRow.
+std::size_t index_of(double FieldRow::*field) {
+  static const FieldRow row;
+  return static_cast<std::size_t>(&(row.*field) - reinterpret_cast<const double*>(&row));
+}
+
+LocalRow make_row(const FieldSeries& series, std::size_t k) {
+  const auto estimate = [&](double FieldRow::*field) {
+    const BlockAverage average = block_average(series.series(k, index_of(field)));
+    return Estimate{series.mean[k].*field, average.error, average.effective_samples};
   };
   LocalRow row;
-  row.velocity = estimate(velocity);
-  row.shear_rate = estimate(shear_rate);
-  row.volume_fraction = estimate(volume_fraction);
-  row.shear_stress = estimate(shear_stress);
-  row.normal_stress = estimate(normal_stress);
-  row.temperature = estimate(temperature);
-  row.inertial_number = estimate(inertial_number);
-  row.softness = estimate(softness);
-  row.friction = estimate(friction);
+  row.mass_above = series.mean[k].mass_above;
+  row.velocity = estimate(&FieldRow::velocity);
+  row.shear_rate = estimate(&FieldRow::shear_rate);
+  row.volume_fraction = estimate(&FieldRow::volume_fraction);
+  row.shear_stress = estimate(&FieldRow::shear_stress);
+  row.normal_stress = estimate(&FieldRow::normal_stress);
+  row.pressure = estimate(&FieldRow::pressure);
+  row.temperature = estimate(&FieldRow::temperature);
+  row.inertial_number = estimate(&FieldRow::inertial_number);
+  row.softness = estimate(&FieldRow::softness);
+  row.friction = estimate(&FieldRow::friction);
+  row.coordination = estimate(&FieldRow::coordination);
+  row.dissipation = estimate(&FieldRow::dissipation);
+  row.sliding_share = estimate(&FieldRow::sliding_share);
   row.effective_samples = row.velocity.effective_samples;
   return row;
 }
 
-/// Mass per area above the centre of bin k, the density in the bin taken as linear. What is below
-/// is subtracted from the whole, so that grains above all bins count.
-double mass_above(const Moments& mean, std::size_t k, double bin_width, double total) {
-  double below = 0.0;
-  for (std::size_t j = 0; j < k; ++j) below += mean[j].mass * bin_width;
-  // No more than a density that falls to zero at one face: the surface is steeper than a line.
-  const double steepest = mean[k].mass * bin_width / 6.0;
-  const double offset = std::clamp(mean[k].mass_offset, -steepest, steepest);
-  const double lower_half = 0.5 * mean[k].mass * bin_width - 1.5 * offset;
-  return total - below - lower_half;
+/// Rows that are never, or hardly ever, visited carry no field.
+bool counts(const FrameMoments& mean,
+            const ProfileFrames& grid,
+            std::size_t row,
+            const ChuteConditions& conditions) {
+  constexpr double least_fraction = 0.01;
+  double density = 0.0;
+  for (std::size_t q = 0; q < grid.bins_per_row; ++q) {
+    density += mean.bins[row * grid.bins_per_row + q].mass;
+  }
+  return density >
+         least_fraction * conditions.grain_density * static_cast<double>(grid.bins_per_row);
 }
 
-/// Bins that are never, or hardly ever, visited carry no field.
-bool counts(const BinMoments& bin, const ChuteConditions& conditions) {
-  constexpr double least_fraction = 0.01;
-  return bin.mass > least_fraction * conditions.grain_density;
+FieldRow errors_of(const FieldSeries& series, std::size_t k) {
+  FieldNumbers errors{};
+  for (std::size_t i = 0; i < field_numbers; ++i) {
+    errors[i] = block_average(series.series(k, i)).error;
+  }
+  return std::bit_cast<FieldRow>(errors);
+}
+
+WidthFields fields_at(std::span<const ProfileFrame> frames,
+                      const ProfileFrames& grid,
+                      const Kernel& kernel,
+                      const ChuteConditions& conditions) {
+  const FieldSeries series = linearised(frames, grid, kernel, conditions);
+  const auto margin = static_cast<double>(margin_rows(grid, kernel));
+  WidthFields fields{.width = kernel.width,
+                     .z_begin = grid.z_begin - margin * grid.row_width(),
+                     .row_width = grid.row_width(),
+                     .values = series.mean,
+                     .errors = {}};
+  for (std::size_t k = 0; k < series.mean.size(); ++k) {
+    fields.errors.push_back(errors_of(series, k));
+  }
+  return fields;
 }
 
 }  // namespace
@@ -209,33 +163,50 @@ std::vector<LocalRow> average(const ProfileFrames& frames,
                               const ChuteConditions& conditions,
                               const SteadyWindow& window) {
   const auto inside = frames_inside(frames, window);
-  const Moments mean = mean_moments(inside);
+  if (inside.empty()) return {};
+  const FrameMoments mean = mean_moments(inside);
+  const FieldSeries series = linearised(inside, frames, frames.kernel, conditions);
+  const std::size_t margin = margin_rows(frames, frames.kernel);
   std::vector<LocalRow> rows;
-  for (std::size_t k = 0; k < mean.size(); ++k) {
-    if (!counts(mean[k], conditions)) continue;
-    LocalRow row = make_row(inside, mean, k, frames.bin_width, conditions);
-    row.z = frames.bin_centre(k);
-    row.mass_above = mass_above(mean, k, frames.bin_width, conditions.mass_per_area);
-    rows.push_back(row);
+  for (std::size_t k = 0; (k + 1) * frames.bins_per_row <= mean.bins.size(); ++k) {
+    if (!counts(mean, frames, k, conditions)) continue;
+    rows.push_back(make_row(series, k + margin));
+    rows.back().z = frames.row_centre(k);
   }
   return rows;
 }
 
+std::vector<WidthFields> fields_at_widths(const ProfileFrames& frames,
+                                          const ChuteConditions& conditions,
+                                          const SteadyWindow& window) {
+  const auto inside = frames_inside(frames, window);
+  if (inside.empty()) return {};
+  std::vector<WidthFields> result;
+  for (const double factor : {0.5, 1.0, 2.0}) {
+    const Kernel kernel{frames.kernel.shape, factor * frames.kernel.width};
+    if (kernel.width == 0.0 && factor != 1.0) continue;
+    result.push_back(fields_at(inside, frames, kernel, conditions));
+  }
+  return result;
+}
+
 std::vector<std::vector<double>> block_velocities(const LocalData& data) {
-  const auto inside = frames_inside(data.frames, data.window);
+  const ProfileFrames& frames = data.frames;
+  const auto inside = frames_inside(frames, data.window);
   if (inside.empty()) return {};
   std::vector<double> series;
   for (const ProfileFrame& frame : inside) series.push_back(mean_velocity(frame));
   const std::size_t longest = std::max<std::size_t>(1, inside.size() / 4);
   const std::size_t length = std::min(block_average(series).block_length, longest);
+  const std::size_t margin = margin_rows(frames, frames.kernel);
   std::vector<std::vector<double>> blocks;
   for (std::size_t begin = 0; begin + length <= inside.size(); begin += length) {
-    const Moments mean = mean_moments(inside.subspan(begin, length));
+    const FieldRows fields = coarse_grain(
+        mean_moments(inside.subspan(begin, length)), frames, frames.kernel, data.conditions);
     std::vector<double>& block = blocks.emplace_back();
     for (const LocalRow& row : data.rows) {
-      const double bin = (row.z - data.frames.z_begin) / data.frames.bin_width;
-      block.push_back(
-          velocity_at_centre(mean, static_cast<std::size_t>(bin), data.frames.bin_width));
+      const double k = (row.z - frames.z_begin) / frames.row_width();
+      block.push_back(fields[static_cast<std::size_t>(k) + margin].velocity);
     }
   }
   return blocks;

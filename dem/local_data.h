@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "dem/estimate.h"
+#include "dem/fields.h"
 #include "dem/lifetime_statistics.h"
 #include "dem/profile_frames.h"
 
@@ -26,20 +27,25 @@ struct ChuteConditions {
   std::string base{};              ///< recipe of the base in words, equal for equal bases
 };
 
-/// Averages in one bin of z over the steady window, with standard errors by block averaging.
+/// Fields of one row at the width of the kernel, averaged over the steady window, with standard
+/// errors by block averaging (see FieldRow).
 struct LocalRow {
-  double z = 0.0;            ///< centre of the bin [length], z = 0: highest base centre + d/2;
+  double z = 0.0;            ///< centre of the row [length], z = 0: highest base centre + d/2;
                              ///< boxes: y, ring cell: the radius
-  double mass_above = 0.0;   ///< per unit area, above the centre of the bin [mass/length^2]
+  double mass_above = 0.0;   ///< per unit area, averaged as the stress is [mass/length^2]
   Estimate velocity;         ///< v_x [length/time]
   Estimate shear_rate;       ///< d v_x / d z [1/time]
   Estimate volume_fraction;  ///< phi
   Estimate shear_stress;     ///< sigma_xz = contact + kinetic, positive down the slope [stress]
   Estimate normal_stress;    ///< sigma_zz = contact + kinetic, positive in compression [stress]
+  Estimate pressure;         ///< a third of the trace of contact + kinetic stress [stress]
   Estimate temperature;      ///< mean square velocity fluctuation per component [(length/time)^2]
   Estimate inertial_number;  ///< I = gd d sqrt(rho_p / sigma_zz)  (Shi et al. 2020, eq. 10)
   Estimate softness;         ///< p* = sigma_zz d / k_n            (Shi et al. 2020, eq. 11)
   Estimate friction;         ///< mu = sigma_xz / sigma_zz
+  Estimate coordination;     ///< Z, every contact counted for both grains
+  Estimate dissipation;      ///< of a contact [power]
+  Estimate sliding_share;    ///< of contacts; not a number for grains without friction
   double effective_samples = 0.0;  ///< N_eff of the velocity (Flyvbjerg-Petersen)
 };
 
@@ -72,6 +78,15 @@ struct RunSummary {
   double coordination = 0.0;          ///< Z, every contact counted for both grains, steady window
 };
 
+/// All fields at one width of the kernel, in rows that reach beyond walls as far as the kernel.
+struct WidthFields {
+  double width = 0.0;    ///< w [length]
+  double z_begin = 0.0;  ///< lower end of the first row [length]
+  double row_width = 1.0;
+  std::vector<FieldRow> values;
+  std::vector<FieldRow> errors;
+};
+
 /// Local data of one chute run: what the DEM hands to fits, comparisons and files.
 struct LocalData {
   std::string name;
@@ -79,14 +94,22 @@ struct LocalData {
   SteadyWindow window;
   std::vector<LocalRow> rows;  ///< bottom to top; empty bins above the surface are left out
   ProfileFrames frames;        ///< the whole run including the start, from which rows were averaged
+  std::vector<WidthFields> fields{};  ///< at w/2, w, 2 w: how much they depend on it
   RunSummary summary;
   std::optional<LifetimeStatistics> lifetimes{};  ///< of contacts, where the scene asks for them
 };
 
-/// Averages the frames inside the window into rows (field definitions in LocalRow).
+/// Averages the frames inside the window into rows (field definitions in FieldRow), those in which
+/// grains are found.
 std::vector<LocalRow> average(const ProfileFrames& frames,
                               const ChuteConditions& conditions,
                               const SteadyWindow& window);
+
+/// All fields of the frames inside the window at half, once and twice the width of the kernel; of a
+/// homogeneous box, which has no kernel, once. Empty where the window holds no frame.
+std::vector<WidthFields> fields_at_widths(const ProfileFrames& frames,
+                                          const ChuteConditions& conditions,
+                                          const SteadyWindow& window);
 
 /// Velocity of every bin of `rows` in each block of the window, blocks long enough to be
 /// independent where the window allows it: [block][row], at least 4 blocks. For covariances.

@@ -104,11 +104,25 @@ BinnedHeight binned_height(const Grains&, const SplitBottom&) {
   return {};
 }
 
+void check_kernel(const Kernel& kernel, double diameter) {
+  const limits::Interval& allowed = limits::kernel_width;
+  const double width = kernel.width / diameter;
+  if (width >= allowed.least && width <= allowed.most) return;
+  refuse({"measurement", "width"},
+         fmt::format("width = {}: must lie in [{:.6g}, {:.6g}] ({} to {} d)",
+                     kernel.width,
+                     allowed.least * diameter,
+                     allowed.most * diameter,
+                     allowed.least,
+                     allowed.most));
+}
+
 void check_bins(const Scene& scene) {
   constexpr Place at{"measurement", "bin_width"};
   const double width = scene.measurement.bin_width;
   const double least = limits::least_bin_width * scene.grains.diameter;
   require_positive(width, at, "bin_width");
+  check_kernel(scene.measurement.kernel, scene.grains.diameter);
   if (width < least) {
     refuse(at,
            fmt::format("bin_width = {}: must be at least {:.6g} ({} d)",

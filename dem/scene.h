@@ -12,6 +12,7 @@
 
 #include "dem/cohesion_laws.h"
 #include "dem/friction_laws.h"
+#include "dem/kernel.h"
 #include "dem/normal_laws.h"
 #include "dem/vec3.h"
 
@@ -152,11 +153,12 @@ struct StartVelocity {
 
 /// What is averaged and for how long. Times in units of the scene.
 struct Measurement {
-  double bin_width = 1.0;         ///< in z [length]
-  double sample_interval = 0.1;   ///< between two samples of the fields [time]
-  double frame_interval = 2.0;    ///< samples are summed over frames of this length [time]
-  double averaging_time = 200.0;  ///< wanted length of the steady window [time]
-  double time_limit = 1000.0;     ///< the run ends here even if it is not steady [time]
+  double bin_width = 1.0;                 ///< of a row of fields, in z [length]
+  Kernel kernel{KernelShape::lucy, 1.0};  ///< that fields are smoothed with
+  double sample_interval = 0.1;           ///< between two samples of the fields [time]
+  double frame_interval = 2.0;            ///< samples are summed over frames of this length [time]
+  double averaging_time = 200.0;          ///< wanted length of the steady window [time]
+  double time_limit = 1000.0;             ///< the run ends here even if it is not steady [time]
 };
 
 /// Which contacts are followed from their begin to their end (Brewster et al. 2008, section IV).
@@ -212,6 +214,8 @@ inline constexpr int grains = 1'000'000;                    ///< base included: 
 inline constexpr double start_distance = 1e6;               ///< [d] from the origin; farther, an
                                                             ///< overlap drowns in rounding
 inline constexpr double least_bin_width = 0.1;              ///< [d]
+inline constexpr Interval kernel_width{0.25, 5.0};          ///< [d]; narrower: layers of grains
+                                                            ///< show, wider: walls all over
 inline constexpr double least_bins = 3.0;  ///< of the nominal depth: a bin and both neighbours,
                                            ///< from which its shear rate is taken
 inline constexpr double steps = 1e12;      ///< of a run: years on one thread

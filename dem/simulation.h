@@ -156,7 +156,7 @@ class Simulation : public SimulationBase {
 
   void step() { step(NoRecord{}); }
 
-  /// One time step; record(i, j, branch, force_on_i) sees every acting pair at its end.
+  /// One time step; record(i, j, branch, force_on_i[, loss]) sees every acting pair at its end.
   template <class Record>
   void step(Record&& record) {
     advance_grains();
@@ -246,6 +246,20 @@ class Simulation : public SimulationBase {
     }
   }
 
+  /// A record need not ask what a pair dissipates.
+  template <class Record>
+  static PairRecord pair_record(Record& record) {
+    if constexpr (std::is_constructible_v<PairRecord, Record&>) {
+      return std::ref(record);
+    } else {
+      return [&record](std::uint32_t i,
+                       std::uint32_t j,
+                       const Vec3& branch,
+                       const Vec3& force,
+                       const ContactLoss&) { record(i, j, branch, force); };
+    }
+  }
+
   template <class Record>
   void add_forces(Record&& record) {
     using Loops = ContactLoops<Law>;
@@ -260,7 +274,7 @@ class Simulation : public SimulationBase {
       if constexpr (unseen) {
         Loops::add_forces(law_, contacts_, particles_, memory_, strip);
       } else {
-        Loops::add_forces(law_, contacts_, particles_, memory_, strip, std::ref(record));
+        Loops::add_forces(law_, contacts_, particles_, memory_, strip, pair_record(record));
       }
     };
     if constexpr (unseen) {

@@ -135,7 +135,7 @@ void add_spread(std::vector<BinMoments>& bins, double width) {
     const double slope =
         (velocity(high) - velocity(low)) / (static_cast<double>(high - low) * width);
     bins[k].mass_offset_squared = bins[k].mass * width * width / 12.0;
-    bins[k].momentum_offset = bins[k].mass_offset_squared * slope;
+    bins[k].momentum_offset[0] = bins[k].mass_offset_squared * slope;
   }
 }
 

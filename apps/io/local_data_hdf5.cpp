@@ -9,10 +9,13 @@
 #include <bit>
 #include <ctime>
 #include <functional>
+#include <limits>
 #include <thread>
 
+#include "apps/io/hdf5_columns.h"
 #include "apps/io/hdf5_file.h"
 #include "apps/io/lifetimes_hdf5.h"
+#include "apps/io/profile_hdf5.h"
 #include "apps/io/safe_write.h"
 #include "apps/io/sealed_file.h"
 
@@ -22,15 +25,9 @@ namespace {
 using namespace dem;
 
 constexpr std::string_view kind = "local data";
-constexpr int format = 2;
+constexpr int format = 3;
 
-/// A number of a struct, its name in the file and its dimension: one line writes and reads it.
-template <class T, class Member = double>
-struct Field {
-  const char* name;
-  Member T::*member;
-  Dimension dimension = {};
-};
+constexpr Dimension power{1, 2, -3};
 
 constexpr auto condition_fields = std::to_array<Field<ChuteConditions>>({
     {"inclination", &ChuteConditions::inclination},
@@ -76,29 +73,18 @@ constexpr auto estimate_fields = std::to_array<Field<LocalRow, Estimate>>({
     {"volume_fraction", &LocalRow::volume_fraction},
     {"shear_stress", &LocalRow::shear_stress, dimension::stress},
     {"normal_stress", &LocalRow::normal_stress, dimension::stress},
+    {"pressure_trace", &LocalRow::pressure, dimension::stress},
     {"temperature", &LocalRow::temperature, dimension::temperature},
     {"inertial_number", &LocalRow::inertial_number},
     {"softness", &LocalRow::softness},
     {"friction", &LocalRow::friction},
+    {"coordination", &LocalRow::coordination},
+    {"dissipation_per_contact", &LocalRow::dissipation, power},
 });
-
-constexpr auto frame_fields = std::to_array<Field<ProfileFrame>>({
-    {"begin", &ProfileFrame::begin, dimension::time},
-    {"end", &ProfileFrame::end, dimension::time},
-    {"centre_of_mass", &ProfileFrame::centre_of_mass, dimension::length},
-    {"kinetic_energy", &ProfileFrame::kinetic_energy, {1, 2, -2}},
+/// What only grains with friction have.
+constexpr auto sliding_fields = std::to_array<Field<LocalRow, Estimate>>({
+    {"sliding_share", &LocalRow::sliding_share},
 });
-
-constexpr std::size_t moments = 20;
-using Moments = std::array<double, moments>;
-static_assert(sizeof(Moments) == sizeof(BinMoments), "a new moment needs a new format version");
-constexpr auto moment_names =
-    "mass, momentum x y z, momentum_flux xx yy zz xy xz yz, mass_offset, mass_offset_squared, "
-    "momentum_offset, contact_stress xx yy zz xy xz yz, contacts";
-
-std::string symbol(Dimension dimension) {
-  return grain_units().symbol(dimension);
-}
 
 template <class T, class Fields>
 void write_fields(Hdf5Writer& out, const std::string& group, const T& from, const Fields& fields) {
@@ -113,35 +99,9 @@ void read_fields(const Hdf5Reader& in, const std::string& group, T& to, const Fi
   for (const auto& field : fields) to.*field.member = in.number(group, field.name);
 }
 
-/// One dataset over all elements of a list, value of each element.
-template <class T, class Value>
-void write_column(Hdf5Writer& out,
-                  const std::string& path,
-                  const std::vector<T>& list,
-                  Dimension dimension,
-                  Value value) {
-  std::vector<double> column;
-  column.reserve(list.size());
-  for (const T& element : list) column.push_back(std::invoke(value, element));
-  out.dataset(path, column, {column.size()});
-  out.attribute(path, "unit", symbol(dimension));
-}
-
-template <class T, class Target>
-void read_column(const Hdf5Reader& in,
-                 const std::string& path,
-                 std::vector<T>& list,
-                 Target target) {
-  const std::vector<double> column = in.numbers(path, {list.size()});
-  for (std::size_t k = 0; k < list.size(); ++k) std::invoke(target, list[k]) = column[k];
-}
-
-void write_rows(Hdf5Writer& out, const std::vector<LocalRow>& rows) {
-  out.group("rows");
-  for (const auto& field : row_fields) {
-    write_column(out, std::string("rows/") + field.name, rows, field.dimension, field.member);
-  }
-  for (const auto& field : estimate_fields) {
+template <class Fields>
+void write_estimates(Hdf5Writer& out, const std::vector<LocalRow>& rows, const Fields& fields) {
+  for (const auto& field : fields) {
     const std::string path = std::string("rows/") + field.name;
     write_column(out, path, rows, field.dimension, [&field](const LocalRow& row) {
       return (row.*field.member).value;
@@ -156,18 +116,18 @@ void write_rows(Hdf5Writer& out, const std::vector<LocalRow>& rows) {
   }
 }
 
-/// The length of a list of which `path` is one column.
-std::size_t length_of(const Hdf5Reader& in, const std::string& path) {
-  const Shape shape = in.shape(path);
-  return in.numbers(path, {shape.empty() ? 0 : shape.front()}).size();
+void write_rows(Hdf5Writer& out, const std::vector<LocalRow>& rows, bool slides) {
+  out.group("rows");
+  for (const auto& field : row_fields) {
+    write_column(out, std::string("rows/") + field.name, rows, field.dimension, field.member);
+  }
+  write_estimates(out, rows, estimate_fields);
+  if (slides) write_estimates(out, rows, sliding_fields);
 }
 
-std::vector<LocalRow> read_rows(const Hdf5Reader& in) {
-  std::vector<LocalRow> rows(length_of(in, "rows/z"));
-  for (const auto& field : row_fields) {
-    read_column(in, std::string("rows/") + field.name, rows, field.member);
-  }
-  for (const auto& field : estimate_fields) {
+template <class Fields>
+void read_estimates(const Hdf5Reader& in, std::vector<LocalRow>& rows, const Fields& fields) {
+  for (const auto& field : fields) {
     const std::string path = std::string("rows/") + field.name;
     read_column(
         in, path, rows, [&field](LocalRow& row) -> double& { return (row.*field.member).value; });
@@ -178,78 +138,16 @@ std::vector<LocalRow> read_rows(const Hdf5Reader& in) {
       return (row.*field.member).effective_samples;
     });
   }
+}
+
+std::vector<LocalRow> read_rows(const Hdf5Reader& in, bool slides) {
+  std::vector<LocalRow> rows(length_of(in, "rows/z"));
+  for (const auto& field : row_fields) {
+    read_column(in, std::string("rows/") + field.name, rows, field.member);
+  }
+  read_estimates(in, rows, estimate_fields);
+  if (slides) read_estimates(in, rows, sliding_fields);
   return rows;
-}
-
-/// All moments of all frames, [frame][bin][moment]; frames with fewer bins are filled with zeros.
-void write_moments(Hdf5Writer& out, const std::vector<ProfileFrame>& frames) {
-  std::size_t bins = 0;
-  for (const ProfileFrame& frame : frames) bins = std::max(bins, frame.bins.size());
-  std::vector<double> values(frames.size() * bins * moments, 0.0);
-  for (std::size_t f = 0; f < frames.size(); ++f) {
-    auto to = values.begin() + static_cast<std::ptrdiff_t>(f * bins * moments);
-    for (const BinMoments& bin : frames[f].bins) {
-      to = std::ranges::copy(std::bit_cast<Moments>(bin), to).out;
-    }
-  }
-  out.dataset("frames/moments", values, {frames.size(), bins, moments});
-  out.attribute("frames/moments", "components", moment_names);
-  out.attribute("frames/moments", "unit", "per unit volume, in units of m, d, t");
-}
-
-void read_moments(const Hdf5Reader& in,
-                  const std::vector<std::int64_t>& bins_of,
-                  std::vector<ProfileFrame>& frames) {
-  const Shape shape = in.shape("frames/moments");
-  const std::size_t bins = shape.size() == 3 ? shape[1] : 0;
-  const std::vector<double> values = in.numbers("frames/moments", {frames.size(), bins, moments});
-  for (std::size_t f = 0; f < frames.size(); ++f) {
-    if (bins_of[f] < 0 || static_cast<std::size_t>(bins_of[f]) > bins) {
-      throw ReadError(fmt::format("frame {} claims {} of {} bins", f, bins_of[f], bins));
-    }
-    frames[f].bins.resize(static_cast<std::size_t>(bins_of[f]));
-    auto from = values.begin() + static_cast<std::ptrdiff_t>(f * bins * moments);
-    for (BinMoments& bin : frames[f].bins) {
-      Moments bin_values;
-      std::copy_n(from, moments, bin_values.begin());
-      bin = std::bit_cast<BinMoments>(bin_values);
-      from += moments;
-    }
-  }
-}
-
-void write_frames(Hdf5Writer& out, const ProfileFrames& frames) {
-  out.group("frames");
-  out.attribute("frames", "z_begin", frames.z_begin);
-  out.attribute("frames", "bin_width", frames.bin_width);
-  for (const auto& field : frame_fields) {
-    write_column(
-        out, std::string("frames/") + field.name, frames.frames, field.dimension, field.member);
-  }
-  std::vector<std::int64_t> samples;
-  std::vector<std::int64_t> bins;
-  for (const ProfileFrame& frame : frames.frames) {
-    samples.push_back(frame.samples);
-    bins.push_back(static_cast<std::int64_t>(frame.bins.size()));
-  }
-  out.dataset("frames/samples", samples, {samples.size()});
-  out.dataset("frames/bins", bins, {bins.size()});
-  write_moments(out, frames.frames);
-}
-
-ProfileFrames read_frames(const Hdf5Reader& in) {
-  ProfileFrames frames;
-  frames.z_begin = in.number("frames", "z_begin");
-  frames.bin_width = in.number("frames", "bin_width");
-  std::vector<ProfileFrame>& list = frames.frames;
-  list.resize(length_of(in, "frames/begin"));
-  for (const auto& field : frame_fields) {
-    read_column(in, std::string("frames/") + field.name, list, field.member);
-  }
-  const auto samples = in.integers("frames/samples", {list.size()});
-  for (std::size_t f = 0; f < list.size(); ++f) list[f].samples = static_cast<int>(samples[f]);
-  read_moments(in, in.integers("frames/bins", {list.size()}), list);
-  return frames;
 }
 
 void write_provenance(Hdf5Writer& out, const RunRecord& record) {
@@ -286,8 +184,9 @@ void write_data(Hdf5Writer& out, const LocalData& data) {
   write_fields(out, "window", data.window, window_fields);
   out.attribute("window", "steady", std::int64_t{data.window.steady});
   out.attribute("window", "reason", data.window.reason);
-  write_rows(out, data.rows);
+  write_rows(out, data.rows, slides(data.frames));
   write_frames(out, data.frames);
+  write_widths(out, data);
   out.group("summary");
   write_fields(out, "summary", data.summary, summary_fields);
   out.attribute("summary", "steps", std::int64_t{data.summary.steps});
@@ -303,8 +202,10 @@ void read_data(const Hdf5Reader& in, LocalData& data) {
   read_fields(in, "window", data.window, window_fields);
   data.window.steady = in.integer("window", "steady") != 0;
   data.window.reason = in.text("window", "reason");
-  data.rows = read_rows(in);
   data.frames = read_frames(in);
+  const bool friction = slides(data.frames);
+  data.rows = read_rows(in, friction);
+  data.fields = read_widths(in, friction);
   read_fields(in, "summary", data.summary, summary_fields);
   data.summary.steps = static_cast<long>(in.integer("summary", "steps"));
   data.summary.flowing_grains = static_cast<int>(in.integer("summary", "flowing_grains"));

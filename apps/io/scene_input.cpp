@@ -29,19 +29,42 @@ double time_scale(const dem::BodyForceBox& box) {
   return std::sqrt(dem::Grains{}.density() / box.pressure);
 }
 
+void read_kernel(Section& section, const Units& units, dem::Kernel& kernel) {
+  const std::string shape = section.choice(
+      {"kernel",
+       "that fields are smoothed with along z, in a box y (a homogeneous one has none): \"lucy\" "
+       "reaches 2 widths, \"gaussian\" 3"},
+      {"lucy", "gaussian"},
+      "lucy");
+  kernel.shape = shape == "gaussian" ? dem::KernelShape::gaussian : dem::KernelShape::lucy;
+  const dem::limits::Interval& allowed = dem::limits::kernel_width;
+  kernel.width = section.read_or<double>(
+      {"width",
+       "of the kernel; the standard deviation of a Gaussian, 1.62 times that of Lucy's",
+       units[dimension::length],
+       {.lower = allowed.least,
+        .upper = allowed.most,
+        .lower_allowed = true,
+        .upper_allowed = true,
+        .unit = "d"}},
+      kernel.width,
+      "d");
+}
+
 dem::Measurement read_measurement(InputFile& in, const Units& units, const dem::Geometry& flow) {
   dem::Measurement m;
   Section section = in.optional_section(
       "measurement",
       "What is averaged, and for how long. T is sqrt(d/g); 0.1/shear_rate in a simple shear, "
       "d/velocity in a plane shear, d sqrt(rho_p/pressure) in a box driven by a body force");
-  m.bin_width = section.read_or<double>(
-      {"bin_width",
-       "height of a bin, at most a third of the nominal depth, distance of walls or height",
-       units[dimension::length],
-       diameters_or_more(dem::limits::least_bin_width)},
-      m.bin_width,
-      "d");
+  m.bin_width = section.read_or<double>({"bin_width",
+                                         "height of a row of fields, at most a third of the "
+                                         "nominal depth, distance of walls or height",
+                                         units[dimension::length],
+                                         diameters_or_more(dem::limits::least_bin_width)},
+                                        m.bin_width,
+                                        "d");
+  read_kernel(section, units, m.kernel);
   const double scale = std::visit([](const auto& shape) { return time_scale(shape); }, flow);
   const double unit = std::isfinite(scale) ? scale : 1.0;  // a bad number has been reported
   const auto read = [&](double& value, std::string_view name, std::string_view meaning) {

@@ -70,9 +70,10 @@ Csv measured_csv(const RunComparison& run, const std::vector<double>& times) {
   Csv csv{.columns = profile_columns, .rows = {}};
   for (std::size_t k = 0; k < times.size(); ++k) {
     const dem::ProfileFrame* frame = frame_at(run.data.frames, times[k]);
-    const std::vector<double> velocity = frame ? dem::velocities(*frame) : std::vector<double>{};
+    const std::vector<double> velocity =
+        frame ? dem::velocities(*frame, run.data.frames.bins_per_row) : std::vector<double>{};
     for (std::size_t bin = 0; bin < velocity.size(); ++bin) {
-      const double z = run.data.frames.bin_centre(bin);
+      const double z = run.data.frames.row_centre(bin);
       if (z < 0.0 || z > highest || !std::isfinite(velocity[bin])) continue;
       csv.rows.push_back({static_cast<double>(k + 1),
                           times[k] / unit.time,

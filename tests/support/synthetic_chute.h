@@ -100,7 +100,7 @@ inline dem::BinMoments moments_of(const dem::LocalRow& row) {
   bin.momentum[0] = bin.mass * row.velocity.value;
   bin.momentum_flux[0] = bin.mass * row.velocity.value * row.velocity.value;
   bin.mass_offset_squared = bin.mass / 12.0;  // uniform in a bin of width 1
-  bin.momentum_offset = row.shear_rate.value * bin.mass_offset_squared;
+  bin.momentum_offset[0] = row.shear_rate.value * bin.mass_offset_squared;
   bin.contact_stress[2] = row.normal_stress.value;
   bin.contact_stress[4] = -row.shear_stress.value;  // a flux of momentum against the gradient
   return bin;

@@ -35,10 +35,21 @@ dem::LocalRow any_row(std::mt19937_64& random) {
                            &row.temperature,
                            &row.inertial_number,
                            &row.softness,
-                           &row.friction}) {
+                           &row.friction,
+                           &row.pressure,
+                           &row.coordination,
+                           &row.dissipation,
+                           &row.sliding_share}) {
     *x = any_estimate(random);
   }
   return row;
+}
+
+template <class T>
+T any_numbers(std::mt19937_64& random) {
+  std::array<double, sizeof(T) / sizeof(double)> values;
+  for (double& value : values) value = any_double(random);
+  return std::bit_cast<T>(values);
 }
 
 dem::ProfileFrame any_frame(std::mt19937_64& random, std::size_t bins) {
@@ -48,11 +59,9 @@ dem::ProfileFrame any_frame(std::mt19937_64& random, std::size_t bins) {
   }
   frame.samples = static_cast<int>(random() % 1000);
   frame.bins.resize(bins);
-  for (dem::BinMoments& bin : frame.bins) {
-    std::array<double, sizeof(dem::BinMoments) / sizeof(double)> values;
-    for (double& value : values) value = any_double(random);
-    bin = std::bit_cast<dem::BinMoments>(values);
-  }
+  frame.sliding.resize(bins);
+  for (dem::BinMoments& bin : frame.bins) bin = any_numbers<dem::BinMoments>(random);
+  for (dem::SlidingMoments& bin : frame.sliding) bin = any_numbers<dem::SlidingMoments>(random);
   return frame;
 }
 
@@ -75,6 +84,18 @@ dem::LocalData any_data(std::size_t rows, std::size_t frames, std::uint64_t seed
   data.frames.z_begin = -1.5;
   for (std::size_t k = 0; k < frames; ++k) {
     data.frames.frames.push_back(any_frame(random, 3 + k % 4));  // not all of equal length
+  }
+  data.frames.bins_per_row = 4;
+  data.frames.periodic = true;
+  data.frames.kernel = {dem::KernelShape::gaussian, 0.7};
+  for (const std::size_t count : {3u, 5u, 9u}) {  // wider kernels reach farther
+    dem::WidthFields& fields = data.fields.emplace_back();
+    fields.width = any_double(random);
+    fields.z_begin = any_double(random);
+    for (std::size_t k = 0; k < count; ++k) {
+      fields.values.push_back(any_numbers<dem::FieldRow>(random));
+      fields.errors.push_back(any_numbers<dem::FieldRow>(random));
+    }
   }
   data.summary.steps = 123456789012;
   data.summary.flowing_grains = 836;
@@ -101,14 +122,30 @@ bool same_rows(const dem::LocalData& a, const dem::LocalData& b) {
           std::memcmp(a.rows.data(), b.rows.data(), a.rows.size() * sizeof(dem::LocalRow)) == 0);
 }
 
+template <class T>
+bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {
+  return a.size() == b.size() &&
+         (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
+}
+
+bool same_fields(const dem::LocalData& a, const dem::LocalData& b) {
+  if (a.fields.size() != b.fields.size()) return false;
+  for (std::size_t k = 0; k < a.fields.size(); ++k) {
+    const dem::WidthFields& x = a.fields[k];
+    const dem::WidthFields& y = b.fields[k];
+    if (!same(x.width, y.width) || !same(x.z_begin, y.z_begin)) return false;
+    if (!same_bits(x.values, y.values) || !same_bits(x.errors, y.errors)) return false;
+  }
+  return true;
+}
+
 bool same_frames(const dem::LocalData& a, const dem::LocalData& b) {
   if (a.frames.frames.size() != b.frames.frames.size()) return false;
   for (std::size_t k = 0; k < a.frames.frames.size(); ++k) {
     const dem::ProfileFrame& x = a.frames.frames[k];
     const dem::ProfileFrame& y = b.frames.frames[k];
     if (!same(x.begin, y.begin) || !same(x.kinetic_energy, y.kinetic_energy) ||
-        x.samples != y.samples || x.bins.size() != y.bins.size() ||
-        std::memcmp(x.bins.data(), y.bins.data(), x.bins.size() * sizeof(dem::BinMoments)) != 0) {
+        x.samples != y.samples || !same_bits(x.bins, y.bins) || !same_bits(x.sliding, y.sliding)) {
       return false;
     }
   }
@@ -122,6 +159,11 @@ TEST(LocalDataHdf5, EveryBitComesBack) {
   const dem::LocalData again = read_local_data(directory / "run.h5");
   EXPECT_TRUE(same_rows(data, again));
   EXPECT_TRUE(same_frames(data, again));
+  EXPECT_TRUE(same_fields(data, again));
+  EXPECT_EQ(again.frames.bins_per_row, 4u);
+  EXPECT_TRUE(again.frames.periodic);
+  EXPECT_EQ(again.frames.kernel.shape, dem::KernelShape::gaussian);
+  EXPECT_EQ(again.frames.kernel.width, 0.7);
   EXPECT_EQ(again.name, data.name);
   EXPECT_EQ(again.conditions.geometry, data.conditions.geometry);
   EXPECT_EQ(again.conditions.shear_rate, data.conditions.shear_rate);
@@ -133,6 +175,20 @@ TEST(LocalDataHdf5, EveryBitComesBack) {
   EXPECT_EQ(again.summary.steps, 123456789012);
   EXPECT_EQ(again.summary.wall_seconds, 12.5);
   EXPECT_TRUE(same(again.summary.energy_residual, data.summary.energy_residual));
+}
+
+TEST(LocalDataHdf5, NothingIsStoredAboveTheHighestGrainAndItComesBackEmpty) {
+  const TemporaryDirectory directory;
+  dem::LocalData data = any_data(3, 2, 5);
+  for (dem::ProfileFrame& frame : data.frames.frames) {
+    frame.bins.resize(2000);
+    frame.sliding.clear();
+  }
+  for (dem::LocalRow& row : data.rows) row.sliding_share = {};
+  data.fields.clear();
+  write_local_data(data, any_scene(), directory / "run.h5");
+  EXPECT_LT(std::filesystem::file_size(directory / "run.h5"), 2000u * sizeof(dem::BinMoments));
+  EXPECT_TRUE(same_frames(data, read_local_data(directory / "run.h5")));
 }
 
 TEST(LocalDataHdf5, TheFileKnowsWhatMadeIt) {
@@ -246,8 +302,8 @@ TEST(LocalDataHdf5, ForeignFilesAreNamedAsSuch) {
   EXPECT_NE(message("\x89HDF\r\n\x1a\n").find("is an HDF5 file, but not one"), std::string::npos);
   EXPECT_NE(message(seal("checkpoint", 1, "x")).find("a local data file is wanted"),
             std::string::npos);
-  EXPECT_NE(message(seal("local data", 3, "x")).find("has format 3"), std::string::npos);
-  EXPECT_NE(message(seal("local data", 2, "x")).find("cannot read the HDF5 part"),
+  EXPECT_NE(message(seal("local data", 4, "x")).find("has format 4"), std::string::npos);
+  EXPECT_NE(message(seal("local data", 3, "x")).find("cannot read the HDF5 part"),
             std::string::npos);
   EXPECT_NE(refusal(directory / "none.h5").find("No such file"), std::string::npos);
 }

@@ -1,0 +1,19 @@
+#pragma once
+
+#include "apps/io/hdf5_file.h"
+#include "dem/local_data.h"
+
+namespace grainlaw::io {
+
+/// Did the grains of a run have friction? Without it nothing about sliding is in the file.
+bool slides(const dem::ProfileFrames& frames);
+
+/// Group /frames: the moments of every bin over time.
+void write_frames(Hdf5Writer& out, const dem::ProfileFrames& frames);
+dem::ProfileFrames read_frames(const Hdf5Reader& in);
+
+/// Group /fields: all fields at half, once and twice the width of the kernel.
+void write_widths(Hdf5Writer& out, const dem::LocalData& data);
+std::vector<dem::WidthFields> read_widths(const Hdf5Reader& in, bool friction);
+
+}  // namespace grainlaw::io
