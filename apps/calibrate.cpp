@@ -64,6 +64,32 @@ std::vector<io::SceneFile> scenes(const io::Campaign& campaign) {
   return files;
 }
 
+/// The scenes with the profiles that the table of the campaign predicts as their start, written to
+/// a file each. Where it predicts no flow a run starts from rest, which is said.
+void start_from_predictions(std::vector<io::SceneFile>& files,
+                            const fs::path& table_path,
+                            const fs::path& directory,
+                            std::vector<std::string>& warnings) {
+  fs::create_directories(directory);
+  for (io::SceneFile& file : files) {
+    const auto table = io::in_grain_units(io::read_table(table_path), file.units);
+    const auto steady = continuum::steady_chute(table, chute_case(dem::conditions(file.scene)));
+    if (!continuum::flows(steady.answer.outcome)) {
+      warnings.push_back(fmt::format("{} starts from rest: {} predicts {}",
+                                     file.scene.name,
+                                     table_path.filename().string(),
+                                     name(steady.answer.outcome)));
+      continue;
+    }
+    const fs::path csv = fs::absolute(directory / (file.scene.name + ".csv"));
+    io::safe_write(csv, io::profile_csv(steady.profile, steady.answer, file.units));
+    for (const continuum::ProfileRow& row : steady.profile.rows) {
+      file.scene.start_profile.push_back({row.z, row.velocity});
+    }
+    io::restate(file, {{"start", "profile", fmt::format("\"{}\"", csv.string())}});
+  }
+}
+
 bool among(double inclination, const std::vector<double>& tilts) {
   return std::any_of(
       tilts.begin(), tilts.end(), [&](double tilt) { return std::abs(tilt - inclination) < 1e-9; });
@@ -86,7 +112,11 @@ Runs measure(const io::Campaign& campaign, const fs::path& directory, int thread
   ProgressLine progress(quiet);
   const fs::path run_directory = directory / "runs";
   fs::create_directories(run_directory);
-  for (CampaignRun& run : run_scenes(scenes(campaign), run_directory, threads, progress)) {
+  std::vector<io::SceneFile> files = scenes(campaign);
+  if (!campaign.start_table.empty()) {
+    start_from_predictions(files, campaign.start_table, directory / "starts", runs.warnings);
+  }
+  for (CampaignRun& run : run_scenes(files, run_directory, threads, progress)) {
     if (!run.data) {
       runs.warnings.push_back(fmt::format("{} failed: {}", run.name, run.failure));
       continue;

@@ -40,6 +40,12 @@ std::string read_keys(InputFile& in, Campaign& campaign) {
   campaign.title = top.read_or<std::string>(
       {"title", "of the report"}, in.path().stem().string(), "name of the file");
   auto scene = top.read<std::string>({"scene", "scene file, relative to this file"});
+  campaign.start_table =
+      top.find<std::string>({"start_table",
+                             "rheology table, relative to this file: every run starts with the "
+                             "velocity profile it predicts"},
+                            "runs start from rest")
+          .value_or("");
   Section tilts = in.section("tilts", "Tilts of the scene, each one run");
   campaign.calibrate_tilts = read_tilts(tilts, "calibrate", "runs the law is fitted to");
   campaign.predict_tilts = read_tilts(tilts, "predict", "runs that check the predictions");
@@ -56,6 +62,8 @@ Campaign read_campaign(const std::filesystem::path& path) {
   in.finish();
   campaign.text = in.text();
   campaign.path = path;
+  if (!campaign.start_table.empty())
+    campaign.start_table = path.parent_path() / campaign.start_table;
   try {
     campaign.scene = read_scene(path.parent_path() / scene);
   } catch (const ReadError& error) {

@@ -14,6 +14,7 @@ struct Campaign {
   SceneFile scene;
   std::vector<double> calibrate_tilts;  ///< [rad], as in the file
   std::vector<double> predict_tilts;    ///< [rad]
+  std::filesystem::path start_table{};  ///< its predictions start the runs; empty: from rest
   std::string text;                     ///< of the campaign file
   std::filesystem::path path;
 };

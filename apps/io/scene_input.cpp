@@ -7,6 +7,7 @@
 #include "apps/io/scene_laws.h"
 #include "apps/io/scene_lifetimes.h"
 #include "apps/io/start_csv.h"
+#include "apps/io/text_table.h"
 
 namespace grainlaw::io {
 namespace {
@@ -114,25 +115,33 @@ void read_sizes(InputFile& in, dem::Grains& grains) {
       grains.size_ratio);
 }
 
-/// The file of a given start; empty: none.
-std::string read_start_name(InputFile& in) {
-  Section section = in.optional_section(
-      "start",
-      "Grains to start from, without packing and settling; keys that make a packing are "
-      "then refused");
-  const Key key{"grains",
-                "CSV file, relative to this one: x,y,z, and as needed vx,vy,vz,wx,wy,wz,diameter,"
-                "frozen"};
-  const auto name = section.find<std::string>(key, "required");
-  if (!name) section.report_missing(key);
-  return name.value_or("");
+/// The files of a given start, one of them; both empty: none.
+struct StartFiles {
+  std::string grains;
+  std::string profile;
+};
+
+StartFiles read_start_files(InputFile& in) {
+  Section section = in.optional_section("start", "What to start from instead of rest");
+  const Key grains{
+      "grains",
+      "CSV file, relative to this one: x,y,z, and as needed vx,vy,vz,wx,wy,wz,diameter,"
+      "frozen; no packing is made and none of its keys allowed"};
+  const Key profile{
+      "profile",
+      "CSV file of velocities, relative to this one, as grainlaw predict writes it in "
+      "the units of this scene: the settled grains of a chute start with them"};
+  StartFiles files{section.find<std::string>(grains).value_or(""),
+                   section.find<std::string>(profile).value_or("")};
+  section.exactly_one_of({"grains", "profile"});
+  return files;
 }
 
 /// What a scene file says, and the file it points to.
 struct Keys {
   dem::Scene scene;
   Units units;
-  std::string start;
+  StartFiles start;
 };
 
 /// Every key of a scene file, in the order of the key list.
@@ -140,8 +149,8 @@ Keys read_keys(InputFile& in) {
   Keys keys;
   read_top(in, keys.scene);
   read_sizes(in, keys.scene.grains);
-  keys.start = read_start_name(in);
-  const Flow flow = read_flow(in, keys.scene.grains, !keys.start.empty());
+  keys.start = read_start_files(in);
+  const Flow flow = read_flow(in, keys.scene.grains, !keys.start.grains.empty());
   keys.scene.geometry = flow.geometry;
   keys.units = flow.units;
   read_laws(in, keys.units, keys.scene);
@@ -151,14 +160,38 @@ Keys read_keys(InputFile& in) {
   return keys;
 }
 
-/// The grains of the start file; a file that cannot be read is a problem of the key.
-void add_start(const InputFile& in, const Keys& keys, dem::Scene& scene) {
-  try {
-    scene.start = read_start(in.path().parent_path() / keys.start, keys.units);
-  } catch (const ReadError& error) {
-    throw InputError(in.message("start", "grains", error.what()));
+std::vector<dem::StartVelocity> read_profile(const std::filesystem::path& path,
+                                             const Units& units) {
+  const TextTable table = read_csv(path);
+  const auto column = [&](std::string_view name, const Dimension& dimension) {
+    return table.column(fmt::format("{} [{}]", name, units.symbol(dimension)),
+                        "a start profile in the units of the scene");
+  };
+  const std::size_t z = column("z", dimension::length);
+  const std::size_t velocity = column("velocity", dimension::velocity);
+  std::vector<dem::StartVelocity> profile;
+  for (const TableBlock& block : table.blocks) {
+    for (const TableRow& row : block.rows) {
+      profile.push_back({table.number(row, z) / units.size(dimension::length),
+                         table.number(row, velocity) / units.size(dimension::velocity)});
+    }
   }
-  std::visit([&](auto& shape) { shape.grains = dem::grains(scene); }, scene.geometry);
+  return profile;
+}
+
+/// What the start files hold; a file that cannot be read is a problem of its key.
+void add_start(const InputFile& in, const Keys& keys, dem::Scene& scene) {
+  const auto path = [&](const std::string& name) { return in.path().parent_path() / name; };
+  const bool grains = !keys.start.grains.empty();
+  try {
+    if (grains) scene.start = read_start(path(keys.start.grains), keys.units);
+    if (!keys.start.profile.empty()) {
+      scene.start_profile = read_profile(path(keys.start.profile), keys.units);
+    }
+  } catch (const ReadError& error) {
+    throw InputError(in.message("start", grains ? "grains" : "profile", error.what()));
+  }
+  if (grains) std::visit([&](auto& shape) { shape.grains = dem::grains(scene); }, scene.geometry);
 }
 
 /// What only the scene as a whole can tell; the message points at the key it is about.
@@ -183,7 +216,7 @@ SceneFile read(InputFile in, const SceneOptions& options) {
   in.finish();
   file.scene = std::move(keys.scene);
   file.units = keys.units;
-  if (!keys.start.empty()) add_start(in, keys, file.scene);
+  add_start(in, keys, file.scene);
   file.text = in.text();
   file.path = in.path();
   const bool overridden = options.allow_unstable_step && !file.scene.allow_unstable_step;
@@ -204,7 +237,8 @@ bool says(const std::string& text, const SceneFile& file) {
     const dem::Scene scene = parse_scene(text, file.path).scene;
     return scene.name == file.scene.name &&
            scene.allow_unstable_step == file.scene.allow_unstable_step &&
-           inclination(scene) == inclination(file.scene);
+           inclination(scene) == inclination(file.scene) &&
+           scene.start_profile.size() == file.scene.start_profile.size();
   } catch (const InputError&) {
     return false;
   } catch (const dem::SceneError&) {

@@ -49,6 +49,11 @@ Columns in any order, in the units of the scene; only x, y and z are required. G
 at rest, of the mean diameter and free. Frozen ones (1) are the base of a chute, the walls of a plane
 shear, or the bottom of a split cell.
 
+A chute may start with a velocity profile instead of from rest, which saves the time it would take to get there:
+`profile` names the CSV that `grainlaw predict -o PROFILE.csv` writes in the units of the scene. The packing
+settles, then each grain gets the velocity of its height and half its vorticity. A campaign with a `start_table`
+does this for all its runs.
+
 )";
 
 std::string reference() {

@@ -186,6 +186,16 @@ TEST(SceneInput, KeyListNamesEveryKeyWithUnitRangeAndDefault) {
   EXPECT_NE(case_keys().find("| `depth` | number | length |"), std::string::npos);
 }
 
+TEST(SceneInput, AStartProfileHasTheUnitsOfTheScene) {
+  const std::string start = "[start]\nprofile = \"invalid/profile_good.csv\"\n";
+  const dem::Scene scene =
+      parse_scene(scene_text("restitution = 0.88", start), data / "scene.toml").scene;
+  ASSERT_EQ(scene.start_profile.size(), 2u);
+  EXPECT_EQ(scene.start_profile[1].z, 2.0);
+  EXPECT_EQ(scene.start_profile[1].velocity, 0.2);
+  EXPECT_TRUE(scene.start.empty());
+}
+
 TEST(CampaignInput, QuickstartHasThreeTiltsToFitAndTwoToPredict) {
   const Campaign campaign = read_campaign(data / "campaigns/quickstart/campaign.toml");
   ASSERT_EQ(campaign.calibrate_tilts.size(), 3u);
