@@ -210,9 +210,9 @@ TEST(Diameters, HaveTheMeanAndTheMeanCubeOfTheGrains) {
   const double range = grains.largest() - grains.smallest();
   // Midpoint rule: <D^3> of the middles is short by range^2 d / (4 count^2), and nothing else.
   const double short_by = range * range * grains.diameter / (4.0 * count * count);
-  const double rounding = count * 1e-16;
-  EXPECT_NEAR(mean, grains.diameter, rounding * grains.diameter);
-  EXPECT_NEAR(mean_cube, wanted_cube - short_by, rounding * wanted_cube);
+  const double sum_rounding = count * 1e-16;
+  EXPECT_NEAR(mean, grains.diameter, sum_rounding * grains.diameter);
+  EXPECT_NEAR(mean_cube, wanted_cube - short_by, sum_rounding * wanted_cube);
 }
 
 TEST(Diameters, ComeInAnOrderThatDependsOnTheSeed) {
@@ -371,7 +371,6 @@ TEST(SplitBottomPacking, GrainsKeepBetweenTheCylindersAndInsideTheSector) {
   EXPECT_EQ(part(state, Body::none).size(), 400u);
   EXPECT_EQ(state.box.period, Vec3{});
   EXPECT_EQ(state.box.wedge, ring.wedge);
-  constexpr double rounding = 1e-12;
   for (const InitialGrain& grain : state.grains) {
     const double radius = std::hypot(grain.position.x, grain.position.y);
     const double angle = std::atan2(grain.position.y, grain.position.x);
