@@ -7,6 +7,7 @@
 #include "dem/fields.h"
 #include "dem/local_data.h"
 #include "dem/run.h"
+#include "dem/statistics.h"
 #include "tests/dem/support.h"
 
 namespace grainlaw::dem {
