@@ -8,7 +8,6 @@
 #include "dem/coarse_graining.h"
 #include "dem/local_data.h"
 #include "dem/run.h"
-#include "dem/statistics.h"
 #include "tests/dem/support.h"
 
 namespace grainlaw::dem {
