@@ -183,6 +183,15 @@ std::optional<Candidate> least_needed(const FittableLaw& law,
   return result;
 }
 
+/// chi^2 per degree of freedom where chance would exceed it in less than 5 %, otherwise 1: errors
+/// that are right stay as they are.
+double excess_scatter(double chi_squared, int freedom) {
+  if (freedom <= 0) return 1.0;
+  const double scatter = chi_squared / freedom;
+  constexpr double very_many = 1e6;  // F with so many degrees below is chi^2
+  return scatter > 1.0 && f_survival(scatter, freedom, very_many) < most_chance ? scatter : 1.0;
+}
+
 double powered(double x, int power) { return std::pow(x, power); }
 
 /// An interval of the number of the fit as one of the coefficient of the table.
@@ -243,9 +252,7 @@ SolvedLaw solve_law(const FittableLaw& law,
   solved.problem = problem_at(solved.minimum.values);
   solved.kept = weights_at(law, data, solved.slots).kept;
   solved.uncertainty = uncertainty(solved.problem, solved.minimum);
-  if (solved.freedom() > 0) {
-    solved.scatter = std::max(1.0, solved.minimum.chi_squared / solved.freedom());
-  }
+  solved.scatter = excess_scatter(solved.minimum.chi_squared, solved.freedom());
   for (double& c : solved.uncertainty.covariance.values) c *= solved.scatter;
   return solved;
 }

@@ -17,7 +17,7 @@ struct SolvedLaw {
   LeastSquaresProblem problem;  ///< with the weights of the minimum
   Minimum minimum;
   Uncertainty uncertainty;  ///< of the numbers of the fit, enlarged by `scatter`
-  double scatter = 1.0;     ///< factor on the variances: chi^2 per degree of freedom where above 1
+  double scatter = 1.0;     ///< factor on the variances, see solve_law
   std::vector<double> kept;  ///< weight each datum kept, 1 unless flagged and far off
 
   int unknown(std::size_t slot) const;  ///< its place among the active ones; -1: none
@@ -28,8 +28,8 @@ struct SolvedLaw {
 
 /// Effective variance in all three variables, s_y^2 + sum (dy/dx s_x)^2, and Huber's weight at 2.5
 /// standard errors (Huber 1964) for flagged data only. Data of different runs are independent;
-/// where they scatter about the law by more than their errors, the errors are enlarged to match
-/// (Birge 1932).
+/// where they scatter about the law by more than their errors allow (5 % of chi^2), the errors are
+/// enlarged to match (Birge 1932). `data` must live as long as the result is used.
 SolvedLaw solve_law(const FittableLaw& law,
                     const std::vector<LawDatum>& data,
                     const std::vector<std::size_t>& active);

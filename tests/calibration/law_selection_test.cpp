@@ -71,9 +71,9 @@ void add_coverage(const FittableLaw& law,
 /// 1000 binomial trials at 95 % scatter by 0.7 %: 93 to 97 % is three of these.
 void expect_honest(const Coverages& coverages) {
   for (const auto& [name, coverage] : coverages) {
+    ::testing::Test::RecordProperty(name, std::to_string(coverage.inside()));
     EXPECT_GE(coverage.inside(), 0.93) << name;
     EXPECT_LE(coverage.inside(), 0.97) << name;
-    printf("%s %.3f profile %.2f\n", name.c_str(), coverage.inside(), coverage.by_profile());
   }
 }
 
