@@ -16,6 +16,8 @@ namespace {
 namespace slot = bagnold_slot;
 using dem::LocalRow;
 
+constexpr double most_chance = 0.05;  // that a term is kept by
+
 /// Residuals far beyond their errors mean a law that is not this one, which no scatter of the data
 /// can show in the errors of its coefficients.
 void note_misfit(FitSummary& summary) {
@@ -84,9 +86,8 @@ void express_base(const dem::LocalData& run, SolvedBagnold& solved) {
   Matrix covariance(last + 2, last + 2);
   for (int i = 0; i < last + 2; ++i) {
     for (int j = 0; j < last + 2; ++j) {
-      covariance(i, j) =
-          factor[static_cast<std::size_t>(i)] * factor[static_cast<std::size_t>(j)] *
-          solved.uncertainty.covariance(std::min(i, last), std::min(j, last));
+      covariance(i, j) = factor[static_cast<std::size_t>(i)] * factor[static_cast<std::size_t>(j)] *
+                         solved.uncertainty.covariance(std::min(i, last), std::min(j, last));
     }
   }
   solved.uncertainty.covariance = covariance;
@@ -117,9 +118,8 @@ continuum::RheologyTable make_table(const dem::LocalData& run,
                                             .volume_fraction = observations.bulk_volume_fraction,
                                             .inclination = run.conditions.inclination};
   table.contact_friction = run.conditions.contact_friction;
-  table.base = continuum::EffectiveBase{.no_slip_height = x[x.size() - 2],
-                                        .mass_below = x.back(),
-                                        .recipe = run.conditions.base};
+  table.base = continuum::EffectiveBase{
+      .no_slip_height = x[x.size() - 2], .mass_below = x.back(), .recipe = run.conditions.base};
   if (solved.uncertainty.null_space.empty()) {
     table.covariance = continuum::Covariance{names, solved.uncertainty.covariance.values};
   }
@@ -207,7 +207,6 @@ double chance_of_coefficient(const SolvedBagnold& solved, std::size_t which) {
 void choose_model(const SolvedBagnold& generalised,
                   std::vector<ModelScore>& models,
                   FitSummary& summary) {
-  constexpr double most_chance = 0.05;
   const double chance_a = chance_of_coefficient(generalised, slot::a);
   const double chance_b = chance_of_coefficient(generalised, slot::b);
   std::size_t chosen = 2;
@@ -220,6 +219,15 @@ void choose_model(const SolvedBagnold& generalised,
        << " (probability that the term is chance: a gd^2 " << chance_a << ", b gd " << chance_b
        << ")";
   summary.notes.push_back(text.str());
+}
+
+/// True where tau_c is more than chance.
+bool yield_is_measured(Task& task) {
+  task.yields = true;
+  const SolvedBagnold solved = solve_bagnold(task.input, task.form(true, true, true));
+  task.yields =
+      solved.minimum.converged && chance_of_coefficient(solved, slot::tau_c) <= most_chance;
+  return task.yields;
 }
 
 /// Looks for the plug and lets tau_c be fitted where there is one and it is measured.
@@ -236,10 +244,18 @@ void consider_yield(const BagnoldOptions& options,
     task.left_out.emplace_back("tau_c: no plug of 3 d or more moves without shear at the top");
     return;
   }
-  leave_out_plug(task.run, *fit.plug, observations);
-  task.input = prepare(task.run, observations);
-  task.left_out = observations.left_out;
-  task.yields = true;
+  Observations sheared = observations;
+  leave_out_plug(task.run, *fit.plug, sheared);
+  const Task without_yield = task;
+  task.input = prepare(task.run, sheared);
+  if (!yield_is_measured(task)) {
+    task.input = without_yield.input;
+    task.left_out.emplace_back("tau_c: the data give none that is more than chance (F test, 5 %)");
+    fit.plug.reset();
+    return;
+  }
+  observations = sheared;
+  task.left_out = sheared.left_out;
 }
 
 std::optional<dem::Estimate> cohesion_of(const BagnoldFit& fit,

@@ -26,8 +26,8 @@ struct BagnoldOptions {
 
 /// The layer that moves without shear at the top of a cohesive flow.
 struct Plug {
-  double height = 0.0;     ///< of its lower end [d]
-  double thickness = 0.0;  ///< up to the highest row that counts [d]
+  double height = 0.0;                     ///< of its lower end [d]
+  double thickness = 0.0;                  ///< up to the highest row that counts [d]
   dem::Estimate yield_stress_from_weight;  ///< tau_c = g sin(theta) M of the plug [stress]
 };
 
@@ -51,7 +51,7 @@ struct BagnoldFit {
   /// Linear (a = 0), Bagnold (b = 0) and generalised law on the same data with the same weights;
   /// chi^2 and AICc count the independent data in the residuals, not the rows.
   std::vector<ModelScore> models;
-  std::optional<Plug> plug;  ///< cohesive grains only
+  std::optional<Plug> plug;               ///< cohesive grains only
   std::optional<dem::Estimate> cohesion;  ///< c0 that belongs to tau_c, where mu0 is known [stress]
 };
 

@@ -172,8 +172,8 @@ struct Ratio {
   template <class Scalar>
   void operator()(const std::array<Scalar, slot::count>& x, std::span<Scalar> result) const {
     const Scalar excess = (1.0 - share) * (stress - x[slot::tau_c]);
-    result[0] = x[slot::b] / (x[slot::a] * continuum::bagnold_shear_rate(
-                                               x[slot::a], x[slot::b], excess));
+    result[0] =
+        x[slot::b] / (x[slot::a] * continuum::bagnold_shear_rate(x[slot::a], x[slot::b], excess));
   }
 };
 
@@ -210,8 +210,8 @@ SolvedBagnold solve_bagnold(const BagnoldInput& input, const BagnoldForm& form) 
 Minimum solve_bagnold_weighted(const BagnoldInput& input,
                                const BagnoldForm& form,
                                const SolvedBagnold& weights) {
-  return minimise(problem_with(
-      input, form, start_of(input, form), effective_errors(input, weights.values)));
+  return minimise(
+      problem_with(input, form, start_of(input, form), effective_errors(input, weights.values)));
 }
 
 FittedCoefficient stress_ratio(const SolvedBagnold& solved,

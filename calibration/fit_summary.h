@@ -27,7 +27,7 @@ struct FittedCoefficient {
 /// What a fit found and how far it can be trusted.
 struct FitSummary {
   std::vector<FittedCoefficient> coefficients;
-  std::vector<double> correlation;  ///< row-major, order of coefficients
+  std::vector<double> correlation;         ///< row-major, order of coefficients
   std::vector<FittedCoefficient> derived;  ///< what follows from them, e.g. mu_inf
   double chi_squared = 0.0;
   int data = 0;  ///< number of residuals

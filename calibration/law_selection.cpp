@@ -148,8 +148,8 @@ std::string why_dropped(double chance, const ModelScore& small, const ModelScore
   std::ostringstream text;
   text.precision(3);
   text << "F test: its gain is chance with probability " << chance;
-  if (std::isfinite(large.aicc)) text << "; AICc " << small.aicc << " without it, " << large.aicc
-                                      << " with it";
+  if (std::isfinite(large.aicc))
+    text << "; AICc " << small.aicc << " without it, " << large.aicc << " with it";
   return text.str();
 }
 
@@ -192,7 +192,9 @@ double excess_scatter(double chi_squared, int freedom) {
   return scatter > 1.0 && f_survival(scatter, freedom, very_many) < most_chance ? scatter : 1.0;
 }
 
-double powered(double x, int power) { return std::pow(x, power); }
+double powered(double x, int power) {
+  return std::pow(x, power);
+}
 
 /// An interval of the number of the fit as one of the coefficient of the table.
 Interval to_table(const Interval& interval, int power) {

@@ -16,8 +16,8 @@ struct SolvedLaw {
   Slots<double> slots{};
   LeastSquaresProblem problem;  ///< with the weights of the minimum
   Minimum minimum;
-  Uncertainty uncertainty;  ///< of the numbers of the fit, enlarged by `scatter`
-  double scatter = 1.0;     ///< factor on the variances, see solve_law
+  Uncertainty uncertainty;   ///< of the numbers of the fit, enlarged by `scatter`
+  double scatter = 1.0;      ///< factor on the variances, see solve_law
   std::vector<double> kept;  ///< weight each datum kept, 1 unless flagged and far off
 
   int unknown(std::size_t slot) const;  ///< its place among the active ones; -1: none

@@ -84,7 +84,8 @@ void minimise_free(const LeastSquaresProblem& problem, Minimum& minimum) {
   for (double& value : minimum.values) blocks.push_back(&value);
   ceres_problem.AddResidualBlock(&cost, nullptr, blocks);
   for (std::size_t j = 0; j < blocks.size(); ++j) {
-    if (minimum.at_bound[j] || problem.unknowns[j].held) ceres_problem.SetParameterBlockConstant(blocks[j]);
+    if (minimum.at_bound[j] || problem.unknowns[j].held)
+      ceres_problem.SetParameterBlockConstant(blocks[j]);
   }
   ceres::Solver::Summary summary;
   ceres::Solve(solver_options(), &ceres_problem, &summary);

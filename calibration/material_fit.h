@@ -51,7 +51,7 @@ struct MaterialFit {
   /// mu0, beta and what the data need of kappa, exponent, p_mu, cohesion_alpha, cohesion_beta,
   /// cohesion_factor; derived: mu_inf, I_mu, and alpha of the law linear in Bo.
   FitSummary friction;
-  FitSummary volume_fraction;  ///< phi0 and what the data need of I_phi, p_phi, p1..p4
+  FitSummary volume_fraction;               ///< phi0 and what the data need of I_phi, p_phi, p1..p4
   std::vector<ModelScore> families;         ///< of the friction law; empty: too few p* or Bo to ask
   std::vector<ModelScore> friction_models;  ///< terms dropped one at a time
   std::vector<ModelScore> fraction_models;

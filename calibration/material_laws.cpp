@@ -72,10 +72,10 @@ void attach(const Model& model, FittableLaw& law) {
   };
   law.by_state = [model](const Slots<double>& x, const State& at) {
     using Number = ceres::Jet<double, 3>;
-    const Number y = model(x,
-                           StateOf<Number>{Number(at.inertial_number, 0),
-                                           Number(at.softness, 1),
-                                           Number(at.bond_number, 2)});
+    const Number y = model(
+        x,
+        StateOf<Number>{
+            Number(at.inertial_number, 0), Number(at.softness, 1), Number(at.bond_number, 2)});
     return std::array<double, 3>{y.v[0], y.v[1], y.v[2]};
   };
 }
@@ -84,8 +84,8 @@ std::string words(const FrictionForm& form) {
   std::string text =
       form.inertial == InertialForm::power ? "mu0 + beta I^exponent" : "mu0 + beta I/(1 + kappa I)";
   text += form.softness == SoftnessForm::linear ? ", f_p linear" : ", f_p square root";
-  return text +
-         (form.cohesion == CohesionForm::factor ? ", f_B = 1 + alpha Bo^beta" : ", tau = c0 + mu p");
+  return text + (form.cohesion == CohesionForm::factor ? ", f_B = 1 + alpha Bo^beta"
+                                                       : ", tau = c0 + mu p");
 }
 
 bool has(const std::vector<std::size_t>& active, std::size_t slot) {
@@ -99,15 +99,14 @@ FittableLaw friction_law(const FrictionForm& form) {
   const bool stress = form.cohesion == CohesionForm::additive_stress;
   FittableLaw law;
   law.name = words(form);
-  law.slots = {{.name = "mu0", .start = 0.3},
-               {.name = "beta", .start = 0.5},
-               {.name = "kappa", .start = 1.0},
-               {.name = "exponent", .inactive = 1.0, .start = 0.7},
-               {.name = "p_mu",
-                .start = 1.0,
-                .power = form.softness == SoftnessForm::linear ? -1 : -2},
-               {.name = stress ? "cohesion_factor" : "cohesion_alpha", .start = 0.3},
-               {.name = "cohesion_beta", .inactive = 1.0, .start = 1.3}};
+  law.slots = {
+      {.name = "mu0", .start = 0.3},
+      {.name = "beta", .start = 0.5},
+      {.name = "kappa", .start = 1.0},
+      {.name = "exponent", .inactive = 1.0, .start = 0.7},
+      {.name = "p_mu", .start = 1.0, .power = form.softness == SoftnessForm::linear ? -1 : -2},
+      {.name = stress ? "cohesion_factor" : "cohesion_alpha", .start = 0.3},
+      {.name = "cohesion_beta", .inactive = 1.0, .start = 1.3}};
   law.possible = {0, 1, power ? 3u : 2u, 4, 5};
   if (!stress) law.possible.push_back(6);
   if (power) {
@@ -172,8 +171,8 @@ void set_friction(continuum::MuPhi& law,
   if (form.cohesion == CohesionForm::additive_stress) {
     law.cohesion_stress = continuum::CohesionStress{.factor = x[slot::cohesion]};
   } else {
-    law.cohesion_friction = continuum::CohesionFriction{.alpha = x[slot::cohesion],
-                                                        .beta = x[slot::cohesion_exponent]};
+    law.cohesion_friction =
+        continuum::CohesionFriction{.alpha = x[slot::cohesion], .beta = x[slot::cohesion_exponent]};
   }
 }
 

@@ -8,7 +8,7 @@
 namespace grainlaw::calibration {
 
 /// How the parts of mu(I, p*, Bo) may look.
-enum class InertialForm { saturating, power };        ///< mu0 + beta I/(1 + kappa I), mu0 + A I^alpha
+enum class InertialForm { saturating, power };  ///< mu0 + beta I/(1 + kappa I), mu0 + A I^alpha
 enum class CohesionForm { factor, additive_stress };  ///< 1 + alpha Bo^beta, or tau = c0 + mu p
 struct FrictionForm {
   InertialForm inertial = InertialForm::saturating;
@@ -18,8 +18,8 @@ struct FrictionForm {
 
 /// Slots of the friction law.
 namespace friction_slot {
-inline constexpr std::size_t mu0 = 0, beta = 1, kappa = 2, exponent = 3, softness = 4,
-                             cohesion = 5, cohesion_exponent = 6;
+inline constexpr std::size_t mu0 = 0, beta = 1, kappa = 2, exponent = 3, softness = 4, cohesion = 5,
+                             cohesion_exponent = 6;
 }
 /// Slots of the volume fraction law; p1 to p4 follow each other.
 namespace fraction_slot {

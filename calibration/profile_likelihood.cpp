@@ -110,7 +110,8 @@ Interval profile_interval(const LeastSquaresProblem& problem,
                           double rise) {
   const double error = std::sqrt(covariance(unknown, unknown));
   const double value = minimum.values[static_cast<std::size_t>(unknown)];
-  const double scale = error > 0.0 && std::isfinite(error) ? error : std::max(std::abs(value), 1e-3);
+  const double scale =
+      error > 0.0 && std::isfinite(error) ? error : std::max(std::abs(value), 1e-3);
   const double step = scale * std::sqrt(rise);
   const Side side(problem, minimum, covariance, unknown, rise);
   return {.lower = limit(side, step, -1.0), .upper = limit(side, step, 1.0), .by_profile = true};

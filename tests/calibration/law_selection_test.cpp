@@ -15,8 +15,8 @@ namespace {
 using testing::IntervalCoverage;
 
 /// mu_p = 0.5 of Shi et al. 2020, table 7, in the numbers of the fit.
-const Slots<double> friction_truth{0.3530, 0.3618 / 0.7184, 1.0 / 0.7184, 1.0,
-                                   1.0 / std::sqrt(0.3905), 0.2551, 1.5125};
+const Slots<double> friction_truth{
+    0.3530, 0.3618 / 0.7184, 1.0 / 0.7184, 1.0, 1.0 / std::sqrt(0.3905), 0.2551, 1.5125};
 
 /// The law at a state with errors in I and in the value, relative and Gaussian.
 LawDatum measure(const FittableLaw& law,
@@ -122,8 +122,7 @@ TEST(LawSelection, IntervalsOfTheWholeFrictionLawHoldTheTruth) {
 
 TEST(LawSelection, IntervalsOfTheVolumeFractionLawHoldTheTruth) {
   const FittableLaw law = volume_fraction_law();
-  const Slots<double> truth{
-      0.595, 1.0 / 5.383, 1.0 / 0.287, -0.1359, 0.0668, -0.0162, 0.0015};
+  const Slots<double> truth{0.595, 1.0 / 5.383, 1.0 / 0.287, -0.1359, 0.0668, -0.0162, 0.0015};
   Coverages coverages;
   for (std::uint64_t seed = 1; seed <= data_sets; ++seed) {
     std::mt19937_64 random(seed);
