@@ -62,13 +62,14 @@ Residuals residuals(const FittableLaw& law,
                     const std::vector<LawDatum>& data,
                     const std::vector<std::size_t>& active,
                     const std::vector<double>& errors) {
-  return [=, &data](std::span<const double> x, std::span<double> r, std::span<double> jacobian) {
+  return [=, points = std::span<const LawDatum>(data)](
+             std::span<const double> x, std::span<double> r, std::span<double> jacobian) {
     const Slots<double> slots = fill(law, active, x);
     Slots<double> slopes{};
-    for (std::size_t i = 0; i < data.size(); ++i) {
-      const double y = jacobian.empty() ? law.value(slots, data[i].state)
-                                        : law.by_slots(slots, data[i].state, slopes);
-      r[i] = (y - data[i].y) / errors[i];
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const double y = jacobian.empty() ? law.value(slots, points[i].state)
+                                        : law.by_slots(slots, points[i].state, slopes);
+      r[i] = (y - points[i].y) / errors[i];
       for (std::size_t k = 0; !jacobian.empty() && k < active.size(); ++k) {
         jacobian[i * active.size() + k] = slopes[active[k]] / errors[i];
       }

@@ -29,7 +29,8 @@ struct SolvedLaw {
 /// Effective variance in all three variables, s_y^2 + sum (dy/dx s_x)^2, and Huber's weight at 2.5
 /// standard errors (Huber 1964) for flagged data only. Data of different runs are independent;
 /// where they scatter about the law by more than their errors allow (5 % of chi^2), the errors are
-/// enlarged to match (Birge 1932). `data` must live as long as the result is used.
+/// enlarged to match (Birge 1932). The elements of `data` must stay as long as the
+/// result is used.
 SolvedLaw solve_law(const FittableLaw& law,
                     const std::vector<LawDatum>& data,
                     const std::vector<std::size_t>& active);

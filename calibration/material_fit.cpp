@@ -159,7 +159,6 @@ LawFit fit_law(const FittableLaw& law,
                PointSelection points,
                const std::vector<DroppedTerm>& unknowable,
                const std::string& name) {
-  // The minimum refers to the data: it is found where they stay.
   LawFit fit{.law = law, .points = std::move(points), .selected = {}};
   fit.selected = select_terms(fit.law, fit.points.data, unknowable);
   require_converged(fit.selected.solved.minimum, name);
