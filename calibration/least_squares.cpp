@@ -84,7 +84,8 @@ void minimise_free(const LeastSquaresProblem& problem, Minimum& minimum) {
   for (double& value : minimum.values) blocks.push_back(&value);
   ceres_problem.AddResidualBlock(&cost, nullptr, blocks);
   for (std::size_t j = 0; j < blocks.size(); ++j) {
-    if (minimum.at_bound[j]) ceres_problem.SetParameterBlockConstant(blocks[j]);
+    if (minimum.at_bound[j] || problem.unknowns[j].held)
+      ceres_problem.SetParameterBlockConstant(blocks[j]);
   }
   ceres::Solver::Summary summary;
   ceres::Solve(solver_options(), &ceres_problem, &summary);
@@ -108,7 +109,7 @@ int worst_violation(const LeastSquaresProblem& problem, const Minimum& minimum) 
   double largest = 0.0;
   for (std::size_t j = 0; j < problem.unknowns.size(); ++j) {
     const double below = problem.unknowns[j].lower - minimum.values[j];
-    if (minimum.at_bound[j] || !(below > 0.0)) continue;
+    if (minimum.at_bound[j] || problem.unknowns[j].held || !(below > 0.0)) continue;
     double weight = 0.0;
     for (int i = 0; i < minimum.jacobian.rows; ++i) {
       weight += std::pow(minimum.jacobian(i, static_cast<int>(j)), 2);

@@ -15,6 +15,7 @@ struct Unknown {
   std::string name;
   double start = 0.0;
   double lower = -std::numeric_limits<double>::infinity();
+  bool held = false;  ///< stays at its start while the others are minimised
 };
 
 /// Dense matrix, row-major.

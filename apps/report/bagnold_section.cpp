@@ -98,6 +98,49 @@ Table bagnold_table(const Report& report, const std::string& units) {
   return result;
 }
 
+/// Value, error and 95 % interval.
+Html interval_cell(const calibration::FittedCoefficient& c) {
+  const std::string number = with_error({.value = c.value, .error = c.error});
+  if (!std::isfinite(c.interval.upper)) return text(number);
+  return text(fmt::format(
+      "{} [{}, {}]", number, significant(c.interval.lower, 2), significant(c.interval.upper, 2)));
+}
+
+Table variant_table(const Report& report) {
+  Table result{.caption =
+                   "The same law from part of the data: where <i>a</i>, <i>b</i> and <i>Ξ</i> "
+                   "come from. Brackets: 95 %."_html,
+               .head = {"Run"_html,
+                        "Data"_html,
+                        "<i>z</i><sub>0</sub>"_html,
+                        "<i>a</i>"_html,
+                        "<i>b</i>"_html,
+                        "<i>τ<sub>c</sub></i>"_html,
+                        "<i>Ξ</i>(<i>h</i>/4)"_html,
+                        "<i>Ξ</i>(<i>h</i>/2)"_html,
+                        "<i>Ξ</i>(3<i>h</i>/4)"_html},
+               .rows = {},
+               .text_columns = 3};
+  for (const RunComparison& run : report.runs) {
+    if (!run.own_bagnold) continue;
+    for (const calibration::BagnoldVariant& variant : run.own_bagnold->variants) {
+      const bool first = &variant == &run.own_bagnold->variants.front();
+      const bool pairs = variant.data == "pairs";
+      std::vector<Html> cells = {first ? run_label(run) : Html{},
+                                 text(variant.data),
+                                 text(pairs ? "–" : (variant.free_base ? "free" : "fixed at 0")),
+                                 value_cell(variant.summary, "a"),
+                                 value_cell(variant.summary, "b"),
+                                 value_cell(variant.summary, "tau_c")};
+      for (const calibration::FittedCoefficient& ratio : variant.ratios) {
+        cells.push_back(interval_cell(ratio));
+      }
+      result.rows.push_back(std::move(cells));
+    }
+  }
+  return result;
+}
+
 Html remarks(const Report& report) {
   std::vector<Html> items;
   for (const RunComparison& run : report.runs) {
@@ -131,7 +174,7 @@ Html bagnold_section(const Report& report) {
                 "grains. <i>Ξ</i> = <i>b</i>/(<i>a</i><i>γ̇</i>) (their eq. 10) depends on where "
                 "<i>u</i> = 0 is put, so it stands here with the no-slip height free and "
                 "fixed."_html) +
-                table(numbers) + remarks(report);
+                table(numbers) + table(variant_table(report)) + remarks(report);
   return section("bagnold", "Generalised Bagnold law, tilt by tilt"_html, content);
 }
 

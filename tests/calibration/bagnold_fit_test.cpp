@@ -170,5 +170,71 @@ TEST(BagnoldFit, LayerThatDoesNotShearIsRefused) {
   EXPECT_NE(failure([&] { fit_bagnold(data); }).find("does not rise"), std::string::npos);
 }
 
+TEST(BagnoldFit, ProfileAndPairsAloneGiveTheSameLaw) {
+  const SyntheticChute chute{.a = 26.0, .b = 5.0};
+  const BagnoldFit fit = fit_bagnold(local_data(chute));
+  ASSERT_EQ(fit.variants.size(), 5u);
+  for (const BagnoldVariant& variant : fit.variants) {
+    if (variant.data != "pairs" && !variant.free_base) continue;  // u = 0 at the wrong height
+    EXPECT_NEAR(variant.summary["a"].value, 26.0, 1e-6 * 26.0) << variant.data;
+    EXPECT_NEAR(variant.summary["b"].value, 5.0, 1e-6 * 26.0) << variant.data;
+    // Xi = b / (a gd) grows towards the surface.
+    EXPECT_LT(variant.ratios[0].value, variant.ratios[1].value);
+    EXPECT_LT(variant.ratios[1].value, variant.ratios[2].value);
+  }
+}
+
+TEST(BagnoldFit, VelocityAloneKnowsTheLinearTermLeast) {
+  const BagnoldFit fit =
+      fit_bagnold(local_data({.b = 5.0, .velocity_noise = 0.1, .stress_noise = 0.02}));
+  EXPECT_GT(fit.variants[2].summary["b"].error, fit.variants[0].summary["b"].error);
+}
+
+/// How often each law is the one that the data ask for, over 60 seeds.
+int times_chosen(const std::string& name, SyntheticChute chute) {
+  int times = 0;
+  for (chute.seed = 1; chute.seed <= 60; ++chute.seed) {
+    for (const ModelScore& model : fit_bagnold(local_data(chute)).models) {
+      times += model.chosen && model.name == name ? 1 : 0;
+    }
+  }
+  return times;
+}
+
+TEST(BagnoldFit, SimplestLawThatTheDataAskForIsTheTrueOne) {
+  // A term that is not there is kept by chance in 5 % of the runs: 57 of 60, three binomial
+  // standard deviations are 5.1.
+  EXPECT_GE(times_chosen("Bagnold", {.a = 26.0, .b = 0.0, .velocity_noise = 0.02}), 52);
+  EXPECT_GE(times_chosen("linear", {.a = 0.0, .b = 60.0, .velocity_noise = 0.02}), 52);
+  EXPECT_EQ(times_chosen("generalised", {.a = 26.0, .b = 8.0, .velocity_noise = 0.02}), 60);
+}
+
+TEST(BagnoldFit, PlugOfCohesiveGrainsGivesTheirYieldStressTwice) {
+  const double tau_c = 3.0;
+  const SyntheticChute chute{
+      .a = 26.0, .b = 5.0, .tau_c = tau_c, .velocity_noise = 0.01, .stress_noise = 0.002};
+  const BagnoldFit fit = fit_bagnold(local_data(chute), {.cohesive = true, .mu0 = 0.353});
+  ASSERT_TRUE(fit.plug);
+  const double thickness = tau_c / (testing::grain_density * 0.58 * std::sin(chute.inclination));
+  EXPECT_NEAR(fit.plug->height, chute.height - thickness, 1.0);  // one bin
+  // The plug ends within the bin: a uniform error stays within sqrt(3) of its own deviations.
+  const dem::Estimate& weight = fit.plug->yield_stress_from_weight;
+  EXPECT_NEAR(weight.value, tau_c, 2.0 * std::sqrt(3.0) * weight.error);
+  EXPECT_NEAR(fit.summary["tau_c"].value, tau_c, 4.0 * fit.summary["tau_c"].error);
+  EXPECT_NEAR(
+      fit.variants[4].summary["tau_c"].value, tau_c, 4.0 * fit.variants[4].summary["tau_c"].error);
+  const double share = 1.0 - 0.353 / std::tan(chute.inclination);
+  EXPECT_NEAR(fit.cohesion->value, share * fit.summary["tau_c"].value, 1e-12);
+  EXPECT_TRUE(mentions(fit.summary.left_out, "they move as a plug"));
+  EXPECT_NO_THROW(continuum::validate(fit.table));
+}
+
+TEST(BagnoldFit, CohesiveGrainsWithoutAPlugHaveNoYieldStress) {
+  const BagnoldFit fit =
+      fit_bagnold(local_data({.b = 5.0, .velocity_noise = 0.01}), {.cohesive = true});
+  EXPECT_FALSE(fit.plug);
+  EXPECT_TRUE(mentions(fit.summary.left_out, "no plug"));
+}
+
 }  // namespace
 }  // namespace grainlaw::calibration

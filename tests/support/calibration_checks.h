@@ -64,6 +64,21 @@ inline bool mentions(const std::vector<std::string>& sentences, const std::strin
   });
 }
 
+/// How often a 95 % interval holds the truth over many seeds.
+class IntervalCoverage {
+ public:
+  void add(const calibration::Interval& interval, double truth) {
+    inside_ += interval.lower <= truth && truth <= interval.upper ? 1.0 : 0.0;
+    by_profile_ += interval.by_profile ? 1.0 : 0.0;
+    count_ += 1.0;
+  }
+  double inside() const { return inside_ / count_; }
+  double by_profile() const { return by_profile_ / count_; }
+
+ private:
+  double inside_ = 0.0, by_profile_ = 0.0, count_ = 0.0;
+};
+
 /// The message of the FitError that `action` throws; empty when it does not.
 template <class Action>
 std::string failure(Action action) {

@@ -13,7 +13,8 @@
 namespace grainlaw::testing {
 
 /// A steady chute whose law is known: uniform density above the base top, some grains in the
-/// pockets below it, tau = a gd^2 + b gd, u = 0 at the no-slip height. Grain units, m = d = g = 1.
+/// pockets below it, tau = tau_c + a gd^2 + b gd, u = 0 at the no-slip height. Grain units, m = d =
+/// g = 1.
 ///
 /// Noise: each frame adds to the velocity a sum of smooth modes over the whole depth with random
 /// amplitudes, new in every frame, so neighbouring rows are almost fully correlated and the shear
@@ -23,6 +24,7 @@ struct SyntheticChute {
   double inclination = 23.0 * std::numbers::pi / 180.0;
   double a = 26.0;
   double b = 0.0;
+  double tau_c = 0.0;
   double no_slip_height = 1.1;
   double volume_fraction = 0.58;
   int height = 40;              ///< of the free surface, whole bins
@@ -61,10 +63,15 @@ inline dem::LocalRow exact_row(const SyntheticChute& chute, double z) {
   row.mass_above = z < 0.0 ? bulk * chute.height - density * z : bulk * (chute.height - z);
   const double tau = drive * row.mass_above;
   const bool moves = z > chute.no_slip_height;
-  const double u = continuum::bagnold_velocity(
-      chute.a, chute.b, 0.0, bulk * drive, chute.height - chute.no_slip_height, chute.height - z);
+  const double u = continuum::bagnold_velocity(chute.a,
+                                               chute.b,
+                                               chute.tau_c,
+                                               bulk * drive,
+                                               chute.height - chute.no_slip_height,
+                                               chute.height - z);
   row.velocity = {moves ? u : 0.0, 0.0};
-  row.shear_rate = {moves ? continuum::bagnold_shear_rate(chute.a, chute.b, tau) : 0.0, 0.0};
+  row.shear_rate = {
+      moves ? continuum::bagnold_shear_rate(chute.a, chute.b, tau - chute.tau_c) : 0.0, 0.0};
   row.volume_fraction = {density / grain_density, 0.0};
   row.shear_stress = {tau, 0.0};
   row.normal_stress = {tau / std::tan(chute.inclination), 0.0};

@@ -1,0 +1,196 @@
+#include "calibration/material_laws.h"
+
+#include <ceres/jet.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace grainlaw::calibration {
+namespace {
+
+using continuum::SoftnessForm;
+
+/// (1 + Bo) p*.
+template <class T>
+T effective_softness(const StateOf<T>& at) {
+  return (1.0 + at.bond_number) * at.softness;
+}
+
+struct FrictionModel {
+  FrictionForm form;
+
+  template <class S, class T>
+  continuum::Mixed<S, T> operator()(const Slots<S>& x, const StateOf<T>& at) const {
+    namespace slot = friction_slot;
+    using Number = continuum::Mixed<S, T>;
+    continuum::laws::InertialFriction<S> inertial{x[slot::mu0], x[slot::beta], x[slot::kappa], {}};
+    if (form.inertial == InertialForm::power) inertial.exponent = x[slot::exponent];
+    const Number mu = continuum::friction(inertial, at.inertial_number) * softness(x, at);
+    if (form.cohesion == CohesionForm::additive_stress) {
+      return mu + x[slot::cohesion] * at.bond_number;
+    }
+    return mu * continuum::cohesion_friction(
+                    x[slot::cohesion], x[slot::cohesion_exponent], at.bond_number);
+  }
+
+  /// f_p of the slope s = 1/sqrt(p_mu), or 1/p_mu of the linear form: smooth through s = 0, rigid
+  /// grains, where p_mu itself is infinite.
+  template <class S, class T>
+  continuum::Mixed<S, T> softness(const Slots<S>& x, const StateOf<T>& at) const {
+    using std::sqrt;
+    const T soft = effective_softness(at);
+    if (!(soft > 0.0)) return continuum::Mixed<S, T>(1.0);
+    const T depth = form.softness == SoftnessForm::linear ? soft : T(sqrt(soft));
+    return 1.0 - x[friction_slot::softness] * depth;
+  }
+};
+
+struct FractionModel {
+  template <class S, class T>
+  continuum::Mixed<S, T> operator()(const Slots<S>& x, const StateOf<T>& at) const {
+    namespace slot = fraction_slot;
+    const auto inertial = 1.0 - x[slot::inertia] * at.inertial_number;
+    const auto soft = 1.0 + x[slot::softness] * effective_softness(at);
+    return x[slot::phi0] * inertial * soft *
+           continuum::cohesion_volume_fraction(
+               x[slot::p1], x[slot::p1 + 1], x[slot::p1 + 2], x[slot::p4], at.bond_number);
+  }
+};
+
+/// Hides the number types behind three functions.
+template <class Model>
+void attach(const Model& model, FittableLaw& law) {
+  law.value = [model](const Slots<double>& x, const State& at) { return model(x, at); };
+  law.by_slots = [model](const Slots<double>& x, const State& at, Slots<double>& slopes) {
+    using Number = ceres::Jet<double, static_cast<int>(law_slots)>;
+    Slots<Number> unknowns{};
+    for (std::size_t j = 0; j < law_slots; ++j) unknowns[j] = Number(x[j], static_cast<int>(j));
+    const Number y = model(unknowns, at);
+    for (std::size_t j = 0; j < law_slots; ++j) slopes[j] = y.v[static_cast<int>(j)];
+    return y.a;
+  };
+  law.by_state = [model](const Slots<double>& x, const State& at) {
+    using Number = ceres::Jet<double, 3>;
+    const Number y = model(
+        x,
+        StateOf<Number>{
+            Number(at.inertial_number, 0), Number(at.softness, 1), Number(at.bond_number, 2)});
+    return std::array<double, 3>{y.v[0], y.v[1], y.v[2]};
+  };
+}
+
+std::string words(const FrictionForm& form) {
+  std::string text =
+      form.inertial == InertialForm::power ? "mu0 + beta I^exponent" : "mu0 + beta I/(1 + kappa I)";
+  text += form.softness == SoftnessForm::linear ? ", f_p linear" : ", f_p square root";
+  return text + (form.cohesion == CohesionForm::factor ? ", f_B = 1 + alpha Bo^beta"
+                                                       : ", tau = c0 + mu p");
+}
+
+bool has(const std::vector<std::size_t>& active, std::size_t slot) {
+  return std::find(active.begin(), active.end(), slot) != active.end();
+}
+
+}  // namespace
+
+FittableLaw friction_law(const FrictionForm& form) {
+  const bool power = form.inertial == InertialForm::power;
+  const bool stress = form.cohesion == CohesionForm::additive_stress;
+  FittableLaw law;
+  law.name = words(form);
+  law.slots = {
+      {.name = "mu0", .start = 0.3},
+      {.name = "beta", .start = 0.5},
+      {.name = "kappa", .start = 1.0},
+      {.name = "exponent", .inactive = 1.0, .start = 0.7},
+      {.name = "p_mu", .start = 1.0, .power = form.softness == SoftnessForm::linear ? -1 : -2},
+      {.name = stress ? "cohesion_factor" : "cohesion_alpha", .start = 0.3},
+      {.name = "cohesion_beta", .inactive = 1.0, .start = 1.3}};
+  law.possible = {0, 1, power ? 3u : 2u, 4, 5};
+  if (!stress) law.possible.push_back(6);
+  if (power) {
+    law.terms.push_back({.name = "exponent of I", .slots = {3}});
+  } else {
+    law.terms.push_back({.name = "kappa", .slots = {2}});
+  }
+  law.terms.push_back({.name = "f_p (softness)", .slots = {4}});
+  if (!stress) law.terms.push_back({.name = "exponent of Bo", .slots = {6}});
+  law.terms.push_back({.name = stress ? "c0 (cohesion)" : "f_B (cohesion)", .slots = {5, 6}});
+  attach(FrictionModel{form}, law);
+  return law;
+}
+
+std::vector<FrictionForm> friction_forms() {
+  std::vector<FrictionForm> forms;
+  for (const InertialForm inertial : {InertialForm::saturating, InertialForm::power}) {
+    for (const SoftnessForm softness : {SoftnessForm::square_root, SoftnessForm::linear}) {
+      for (const CohesionForm cohesion : {CohesionForm::factor, CohesionForm::additive_stress}) {
+        forms.push_back({inertial, softness, cohesion});
+      }
+    }
+  }
+  return forms;
+}
+
+FittableLaw volume_fraction_law() {
+  constexpr double free = -std::numeric_limits<double>::infinity();
+  FittableLaw law;
+  law.name = "phi0 (1 - I/I_phi)(1 + (1 + Bo) p*/p_phi)(1 + p1 Bo + p2 Bo^2 + p3 Bo^3 + p4 Bo^4)";
+  law.slots = {{.name = "phi0", .start = 0.6},
+               {.name = "I_phi", .start = 0.3, .power = -1},
+               {.name = "p_phi", .start = 3.0, .power = -1},
+               {.name = "p1", .lower = free},
+               {.name = "p2", .lower = free},
+               {.name = "p3", .lower = free},
+               {.name = "p4", .lower = free}};
+  law.possible = {0, 1, 2, 3, 4, 5, 6};
+  law.terms = {{.name = "g_I (inertia)", .slots = {1}},
+               {.name = "g_p (softness)", .slots = {2}},
+               {.name = "p4 of g_c", .slots = {6}},
+               {.name = "p3 of g_c", .slots = {5}, .after = 6},
+               {.name = "p2 of g_c", .slots = {4}, .after = 5},
+               {.name = "p1 of g_c", .slots = {3}, .after = 4}};
+  attach(FractionModel{}, law);
+  return law;
+}
+
+void set_friction(continuum::MuPhi& law,
+                  const FrictionForm& form,
+                  const Slots<double>& x,
+                  const std::vector<std::size_t>& active) {
+  namespace slot = friction_slot;
+  law.friction = {.mu0 = x[slot::mu0], .beta = x[slot::beta], .kappa = x[slot::kappa]};
+  if (has(active, slot::exponent)) law.friction.exponent = x[slot::exponent];
+  if (has(active, slot::softness) && x[slot::softness] > 0.0) {
+    const double slope = x[slot::softness];
+    const double p_mu = form.softness == SoftnessForm::linear ? 1.0 / slope : 1.0 / (slope * slope);
+    law.softness_friction = continuum::SoftnessFriction{.p_mu = p_mu, .form = form.softness};
+  }
+  if (!has(active, slot::cohesion)) return;
+  if (form.cohesion == CohesionForm::additive_stress) {
+    law.cohesion_stress = continuum::CohesionStress{.factor = x[slot::cohesion]};
+  } else {
+    law.cohesion_friction =
+        continuum::CohesionFriction{.alpha = x[slot::cohesion], .beta = x[slot::cohesion_exponent]};
+  }
+}
+
+void set_volume_fraction(continuum::MuPhi& law,
+                         const Slots<double>& x,
+                         const std::vector<std::size_t>& active) {
+  namespace slot = fraction_slot;
+  law.volume_fraction = {.phi0 = x[slot::phi0], .I_phi = 1.0 / x[slot::inertia]};
+  if (!(x[slot::inertia] > 0.0)) {
+    law.volume_fraction.I_phi = std::numeric_limits<double>::infinity();
+  }
+  if (has(active, slot::softness) && x[slot::softness] > 0.0) {
+    law.softness_volume_fraction =
+        continuum::SoftnessVolumeFraction{.p_phi = 1.0 / x[slot::softness]};
+  }
+  if (!has(active, slot::p1)) return;
+  law.cohesion_volume_fraction = continuum::CohesionVolumeFraction{
+      .p1 = x[slot::p1], .p2 = x[slot::p1 + 1], .p3 = x[slot::p1 + 2], .p4 = x[slot::p4]};
+}
+
+}  // namespace grainlaw::calibration
