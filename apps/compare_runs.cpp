@@ -11,6 +11,10 @@
 namespace grainlaw {
 namespace {
 
+calibration::BagnoldFit fit_own_bagnold(const dem::LocalData& data) {
+  return calibration::fit_bagnold(data, {.cohesive = data.conditions.attraction > 0.0});
+}
+
 using std::chrono::duration;
 using std::chrono::steady_clock;
 
@@ -76,7 +80,7 @@ auto fit_or_note(report::RunComparison& run, const Fit& fit) -> std::optional<de
 /// Closure A: fitted to this run (its own tilt), and taken from the nearest fitted tilt.
 void add_bagnold(report::RunComparison& run, std::span<const dem::LocalData> fitted) {
   const continuum::ChuteCase chute = chute_case(run.data.conditions);
-  run.own_bagnold = fit_or_note(run, [&] { return calibration::fit_bagnold(run.data); });
+  run.own_bagnold = fit_or_note(run, [&] { return fit_own_bagnold(run.data); });
   if (run.own_bagnold) {
     run.own_bagnold_error =
         error_of(run.data, continuum::steady_chute(run.own_bagnold->table, chute));
@@ -87,7 +91,7 @@ void add_bagnold(report::RunComparison& run, std::span<const dem::LocalData> fit
   }
   const dem::LocalData* other = nearest_tilt(others, run.data.conditions.inclination);
   if (other == nullptr) return;
-  const auto foreign = fit_or_note(run, [&] { return calibration::fit_bagnold(*other); });
+  const auto foreign = fit_or_note(run, [&] { return fit_own_bagnold(*other); });
   if (!foreign) return;
   run.foreign_bagnold_source = other->name;
   run.foreign_bagnold_error = error_of(run.data, continuum::steady_chute(foreign->table, chute));
@@ -186,7 +190,8 @@ void add_errors(report::TimeErrorPoint& point,
 
 bool same_grains(const dem::ChuteConditions& a, const dem::ChuteConditions& b) {
   return a.grain_diameter == b.grain_diameter && a.grain_density == b.grain_density &&
-         a.stiffness == b.stiffness && a.contact_friction == b.contact_friction && a.base == b.base;
+         a.stiffness == b.stiffness && a.contact_friction == b.contact_friction &&
+         a.attraction == b.attraction && a.base == b.base;
 }
 
 continuum::ChuteCase chute_case(const dem::ChuteConditions& conditions) {
@@ -197,6 +202,7 @@ continuum::ChuteCase chute_case(const dem::ChuteConditions& conditions) {
   chute.grains.diameter = conditions.grain_diameter;
   chute.grains.density = conditions.grain_density;
   chute.grains.stiffness = conditions.stiffness;
+  if (conditions.attraction > 0.0) chute.grains.adhesion = conditions.attraction;
   return chute;
 }
 

@@ -9,6 +9,7 @@
 #include "apps/progress.h"
 #include "dem/run.h"
 #include "dem/statistics.h"
+#include "dem/time_scales.h"
 
 namespace grainlaw {
 namespace {
@@ -128,6 +129,37 @@ const dem::FieldRow* row_at(const dem::WidthFields& fields, double z) {
   return inside ? &fields.values[static_cast<std::size_t>(k)] : nullptr;
 }
 
+/// I, p*, Bo and T* of a row (Shi et al. 2020, eqs. 10-12).
+dem::DimensionlessNumbers numbers_of(const dem::LocalRow& row, const dem::ChuteConditions& c) {
+  return dem::dimensionless_numbers(dem::time_scales({.grain_density = c.grain_density,
+                                                      .diameter = c.grain_diameter,
+                                                      .stiffness = c.stiffness,
+                                                      .attraction = c.attraction,
+                                                      .gravity = c.gravity,
+                                                      .shear_rate = row.shear_rate.value,
+                                                      .pressure = row.normal_stress.value,
+                                                      .temperature = row.temperature.value}));
+}
+
+/// How far the numbers go over the rows of dense flow, by which laws are judged.
+void add_ranges(Summary& summary, const dem::LocalData& data) {
+  constexpr double dense = 0.5;  // volume fraction; looser is the saltating surface
+  const auto add = [&](const char* key, const char* label, double dem::DimensionlessNumbers::*n) {
+    double low = std::numeric_limits<double>::infinity();
+    double high = 0.0;
+    for (const dem::LocalRow& row : data.rows) {
+      const double value = numbers_of(row, data.conditions).*n;
+      if (row.volume_fraction.value < dense || !std::isfinite(value) || value < 0.0) continue;
+      low = std::min(low, value);
+      high = std::max(high, value);
+    }
+    if (high > 0.0) summary.add(key, label, fmt::format("{:.3g} to {:.3g}", low, high));
+  };
+  add("inertial_number_range", "I where dense", &dem::DimensionlessNumbers::inertial_number);
+  add("softness_range", "p* where dense", &dem::DimensionlessNumbers::softness);
+  add("bond_number_range", "Bo where dense", &dem::DimensionlessNumbers::bond_number);
+}
+
 /// What half and twice the width of the kernel make of a row.
 void add_width_dependence(Summary& summary, const dem::LocalData& data, double z) {
   if (data.fields.size() != 3) return;  // a homogeneous box has no kernel
@@ -175,8 +207,18 @@ Summary describe(const dem::LocalData& data) {
     add("volume_fraction", "  volume fraction", middle.volume_fraction, "");
     add("friction", "  stress ratio mu", middle.friction, "");
     add("inertial_number", "  inertial number I", middle.inertial_number, "");
+    add("softness", "  softness p*", middle.softness, "");
+    const dem::DimensionlessNumbers numbers = numbers_of(middle, data.conditions);
+    if (numbers.bond_number > 0.0) {
+      summary.add("bond_number", "  bond number Bo", numbers.bond_number);
+    }
+    summary.add("scaled_temperature", "  temperature T*", numbers.temperature);
     summary.add("effective_samples", "  independent samples", middle.effective_samples);
     add_width_dependence(summary, data, middle.z);
+    if (data.conditions.geometry == "chute") {
+      summary.add("height", "height", data.rows.back().z + 0.5 * data.frames.row_width(), "d");
+    }
+    add_ranges(summary, data);
   }
   if (data.lifetimes) add_lifetimes(*data.lifetimes, summary);
   if (const auto few = few_samples(data)) {

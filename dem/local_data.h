@@ -22,6 +22,7 @@ struct ChuteConditions {
   double grain_density = 0.0;      ///< rho_p [mass/length^3]
   double stiffness = 0.0;          ///< normal contact stiffness k_n [mass/time^2]
   double contact_friction = 0.0;   ///< mu_p
+  double attraction = 0.0;         ///< f_a, the largest of a pair of mean grains [force]
   double mass_per_area = 0.0;      ///< of the flowing grains [mass/length^2]
   double shear_rate = 0.0;         ///< imposed on the whole box [1/time]; 0: none
   std::string base{};              ///< recipe of the base in words, equal for equal bases

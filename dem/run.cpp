@@ -26,6 +26,17 @@ auto with_law(const Scene& scene, Use&& use) {
       scene.friction);
 }
 
+double attraction(const Scene& scene) {
+  return std::visit(
+      [&](const auto& law) {
+        if constexpr (std::decay_t<decltype(law)>::attracts)
+          return law.largest_attraction(0.5 * scene.grains.diameter);
+        else
+          return 0.0;
+      },
+      scene.cohesion);
+}
+
 }  // namespace
 
 ChuteConditions conditions(const Scene& scene) {
@@ -34,7 +45,8 @@ ChuteConditions conditions(const Scene& scene) {
       .grain_diameter = scene.grains.diameter,
       .grain_density = scene.grains.density(),
       .stiffness = std::visit([](const auto& law) { return law.stiffness; }, scene.normal),
-      .contact_friction = contact_friction(scene)};
+      .contact_friction = contact_friction(scene),
+      .attraction = attraction(scene)};
   if (const auto* chute = std::get_if<Chute>(&scene.geometry)) {
     c.inclination = chute->inclination;
     c.gravity = chute->gravity;

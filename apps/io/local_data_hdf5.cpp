@@ -36,6 +36,7 @@ constexpr auto condition_fields = std::to_array<Field<ChuteConditions>>({
     {"grain_density", &ChuteConditions::grain_density, dimension::density},
     {"stiffness", &ChuteConditions::stiffness, dimension::stiffness},
     {"contact_friction", &ChuteConditions::contact_friction},
+    {"attraction", &ChuteConditions::attraction, dimension::force},
     {"mass_per_area", &ChuteConditions::mass_per_area, dimension::mass_per_area},
     {"shear_rate", &ChuteConditions::shear_rate, dimension::rate},
 });
