@@ -339,9 +339,8 @@ int main(int argc, char** argv) {
   Arguments arguments;
   line.required("CAMPAIGN.toml", arguments.campaign, "the campaign");
   line.option("-o,--output", arguments.output, "folder for results (default: calibration-report)");
-  line.option_list("--from",
-                   arguments.from,
-                   "finished runs (RUN.h5), or import files (.toml), to use instead of running");
+  line.option_list(
+      "--from", arguments.from, "finished runs or imports (.toml) to use, run nothing");
   line.duration("--max-wall", arguments.max_wall, "stop with checkpoints after this wall time");
   line.threads("runs at once, one thread each (default: cores)", 0);
   if (const auto code = line.parse(argc, argv)) return *code;

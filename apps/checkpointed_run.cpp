@@ -176,15 +176,15 @@ void write_data(const SceneRun& run,
 }
 
 /// A run that was asked to stop has to leave a checkpoint of where it stopped.
-void require_checkpoint(const CheckpointKeeper& keeper, bool saved, const fs::path& output) {
-  if (saved && keeper.failure().empty()) return;
-  throw io::FileError(
-      fmt::format("stopped {}, but without a checkpoint of this moment{}{}; what was measured so "
-                  "far is in {}",
-                  stop_reason(),
-                  keeper.failure().empty() ? "" : " (" + keeper.failure() + ")",
-                  keeper.newest().empty() ? "" : ", an older one is kept",
-                  output.string()));
+void require_checkpoint(const CheckpointKeeper& keeper, const fs::path& output) {
+  if (keeper.failure().empty()) return;
+  throw io::FileError(fmt::format(
+      "stopped {}, but without a checkpoint of this moment ({}){}; what was measured so "
+      "far is in {}",
+      stop_reason(),
+      keeper.failure(),
+      keeper.newest().empty() ? "" : ", an older one is kept",
+      output.string()));
 }
 
 }  // namespace
@@ -223,7 +223,7 @@ SceneRun run_scene(const io::SceneFile& file,
   SceneRun run;
   run.resumed = older.stored.has_value();
   run.threads = settings.threads;
-  bool saved_at_stop = false;
+  bool asked_to_stop = false;
   std::optional<io::TrajectoryWriter> trajectory;
   if (settings.trajectory_interval > 0.0) {
     trajectory.emplace(output, run.resumed, io::TrajectoryWriter::Options{.xyz = settings.xyz});
@@ -233,14 +233,14 @@ SceneRun run_scene(const io::SceneFile& file,
           [&](const dem::Progress& now) {
             pace.add(now);
             listener.progress(now, pace);
-            run.stopped = stop_requested();
-            return !run.stopped;
+            asked_to_stop = stop_requested();
+            return !asked_to_stop;
           },
       .threads = settings.threads,
       .save =
           [&](const dem::Checkpoint& checkpoint) {
             keeper.save(checkpoint);
-            saved_at_stop = run.stopped;
+            run.stopped = asked_to_stop;  // not reached where the same frame finished the run
           },
       .checkpoint_interval = settings.checkpoint_interval,
       .snapshot = {},
@@ -254,7 +254,7 @@ SceneRun run_scene(const io::SceneFile& file,
   if (trajectory) trajectory->finish();
   run.grain_steps_per_second = pace.grain_steps_per_second();
   write_data(run, file, output, keeper);
-  if (run.stopped) require_checkpoint(keeper, saved_at_stop, output);
+  if (run.stopped) require_checkpoint(keeper, output);
   if (!run.stopped) io::remove_checkpoints(output);
   return run;
 }

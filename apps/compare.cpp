@@ -120,7 +120,7 @@ int main(int argc, char** argv) {
                    "  grainlaw compare lammps.toml -t results/table.toml -o comparison",
                    options);
   Arguments arguments;
-  line.list("RUN.h5", arguments.runs, "local data of DEM runs, or import files (.toml) of others");
+  line.list("RUN.h5", arguments.runs, "runs, or import files (.toml) of others");
   line.option("-t,--table", arguments.table, "rheology table", true);
   line.option(
       "-o,--output", arguments.output, "folder for the report (default: comparison-report)");

@@ -59,10 +59,13 @@ double trajectory_interval(const Arguments& arguments) {
     throw io::InputError("--export needs --trajectory, the time between two snapshots");
   }
   const std::string& text = arguments.trajectory;
+  constexpr double least = 1e-9;  // far below any sample; multiples of it can still be counted
   double interval = 0.0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), interval);
-  if (error == std::errc() && end == text.data() + text.size() && interval > 0.0) return interval;
-  throw io::InputError("--trajectory " + text + ": a time above 0 is expected, in sqrt(d/g)");
+  if (error == std::errc() && end == text.data() + text.size() && interval >= least)
+    return interval;
+  throw io::InputError(
+      fmt::format("--trajectory {}: a time of at least {} is expected, in sqrt(d/g)", text, least));
 }
 
 std::string resume_command(const Arguments& arguments) {
@@ -151,10 +154,9 @@ int main(int argc, char** argv) {
   line.duration("--checkpoint-interval",
                 arguments.checkpoint_interval,
                 "wall time between two checkpoints (default: 60s)");
-  line.option("--trajectory",
-              arguments.trajectory,
-              "write the grains every so often [sqrt(d/g)]: OUTPUT.grains, OUTPUT.xdmf (ParaView)");
-  line.option("--export", arguments.export_format, "xyz: the grains as extended XYZ too (OVITO)");
+  line.option(
+      "--trajectory", arguments.trajectory, "grains every so often [sqrt(d/g)], for ParaView");
+  line.option("--export", arguments.export_format, "xyz: as extended XYZ too, for OVITO");
   line.threads("of the engine (default: 1)", 1);
   if (const auto code = line.parse(argc, argv)) return *code;
   return run_program("grainlaw dem", [&] { return run(arguments, options); });

@@ -279,11 +279,11 @@ ExitCode predict(const Arguments& arguments, const CommonOptions& options) {
 int main(int argc, char** argv) {
   using namespace grainlaw;
   CommonOptions options;
-  CommandLine line(
-      "grainlaw-predict",
-      "Predicts a chute flow or a shear band from a fitted or published table; needs no DEM.",
-      "  grainlaw predict data/cases/chute.toml -t data/tables/shi2020_mu_p_0.50.toml",
-      options);
+  CommandLine line("grainlaw-predict",
+                   "Predicts a chute flow or a shear band from a fitted or published table.\n"
+                   "Needs no DEM.",
+                   "  grainlaw predict data/cases/chute.toml -t data/tables/shi2020_mu_p_0.50.toml",
+                   options);
   Arguments arguments;
   line.required("CASE.toml", arguments.question, "the question");
   line.option("-t,--table", arguments.table, "rheology table", true);

@@ -155,6 +155,14 @@ Layer make_layer(const RheologyTable& table, const ChuteCase& chute) {
                     chute.mass_per_area,
                     base.mass_below,
                     base.mass_below * units.mass_per_area));
+  constexpr double most = 1e60;  // beyond it powers of the mass are no numbers any more
+  if (mass < 1.0 / most || mass > most)
+    throw std::invalid_argument(fmt::format(
+        "mass_per_area = {} is {:.3g} rho_p d: it must lie between {:g} and {:g} rho_p d",
+        chute.mass_per_area,
+        mass,
+        1.0 / most,
+        most));
   const double inclination = std::abs(chute.inclination);
   const double wall_drag = chute.walls ? 2.0 * chute.walls->friction * chute.walls->pressure_ratio *
                                              d / chute.walls->width

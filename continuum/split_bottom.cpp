@@ -77,6 +77,15 @@ void check(const SplitBottomCase& cell, int rows) {
   require_positive("grain diameter", cell.grains.diameter);
   require_positive("grain density", cell.grains.density);
   if (cell.surface_width) require_positive("surface width", *cell.surface_width);
+  constexpr double most = 1e60;  // beyond it powers of the depth are no numbers any more
+  const double depth = cell.depth / cell.grains.diameter;
+  if (!(depth > 1.0 / most && depth < most))
+    throw std::invalid_argument(
+        fmt::format("depth = {} is {:.3g} d: it must lie between {:g} and {:g} d",
+                    cell.depth,
+                    depth,
+                    1.0 / most,
+                    most));
   if (rows < 2) throw std::invalid_argument("at least 2 rows are needed");
 }
 
@@ -142,11 +151,19 @@ std::vector<RangeFlag> flags_of(const MuPhi& law,
   for (const SplitBottomRow& row : rows)
     profile.rows.push_back({.z = row.z,
                             .mass_above = row.pressure,
+                            .shear_rate = row.shear_rate,
                             .pressure = row.pressure,
                             .volume_fraction = row.volume_fraction,
                             .inertial_number = row.inertial_number});
   const Layer layer{.law = law, .grains = grains};
   return range_flags(layer, table, profile);
+}
+
+/// Pressure is highest at the bottom, so softness takes the friction of the lowest row first.
+/// Written so that a weight beyond all numbers counts too.
+bool no_friction_left(const MuPhi& law, const GrainProperties& grains, const SplitBottomRow& row) {
+  return !(std::isfinite(row.pressure) &&
+           friction_factor(law, confinement(grains, row.pressure)) > 0.0);
 }
 
 void to_case_units(const SplitBottomCase& cell, SplitBottom& result) {
@@ -163,6 +180,10 @@ void to_case_units(const SplitBottomCase& cell, SplitBottom& result) {
 }
 
 std::string no_single_path(double ratio, const BandPaths& paths) {
+  if (ratio < surface_point.depth_over_radius())
+    return fmt::format(
+        "H / R_s = {:.4g} is too shallow a filling: its path of least torque is not followed",
+        ratio);
   if (paths.surface_radius.empty())
     return fmt::format(
         "no path of least torque leads from the split to the free surface at H / R_s = {:.4g}: "
@@ -231,6 +252,15 @@ SplitBottom split_bottom(const RheologyTable& table, const SplitBottomCase& cell
   result.rows.resize(static_cast<std::size_t>(rows));
   const GrainProperties grains = dimensionless(cell);
   result.torque = fill_rows(*law, grains, complete, result.path_radius / d, result.rows);
+  if (no_friction_left(*law, grains, result.rows.front())) {
+    result.rows.clear();
+    result.torque = 0.0;
+    result.answer = {.outcome = Outcome::no_steady,
+                     .text =
+                         "softness takes all friction, f_p <= 0, at the bottom of this filling, "
+                         "where the law has no answer"};
+    return result;
+  }
   result.answer = {
       .outcome = Outcome::steady,
       .text = fmt::format("geometry, not a solution of the flow: the band ends at R_c / R_s = "

@@ -58,11 +58,12 @@ struct SplitBottom {
   double measured_radius = 0.0;      ///< R_c of the experimental power law there [length]
   double surface_width = 0.0;        ///< W there [length]
   double torque = 0.0;               ///< on the outer part, over the whole circle [force length]
-  std::vector<SplitBottomRow> rows;  ///< bottom to top; empty without exactly one open path
+  std::vector<SplitBottomRow> rows;  ///< bottom to top; empty where the answer is not STEADY
 };
 
 /// Band centre, profile and the state of the material at its centre. No open path, or more than
-/// one: NOT_CONVERGED with the sentence, nothing is picked. Throws TableError and
+/// one: NOT_CONVERGED with the sentence, nothing is picked. So soft that no friction is left at the
+/// bottom: NO_STEADY. Throws TableError and
 /// std::invalid_argument like shear_band.
 SplitBottom split_bottom(const RheologyTable& table, const SplitBottomCase& cell, int rows = 101);
 

@@ -28,7 +28,7 @@ void check_count(double number, std::string_view what, const Place& at) {
 void check_total(double moving, double glued, const Place& at, const std::string& what) {
   if (moving + glued <= limits::grains) return;
   refuse(at,
-         fmt::format("{}: {:.0f} moving grains and {:.0f} to cut base or walls from, together at "
+         fmt::format("{}: {:.7g} moving grains and {:.7g} to cut base or walls from, together at "
                      "most {}; take a smaller one",
                      what,
                      moving,

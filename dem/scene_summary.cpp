@@ -165,14 +165,14 @@ void describe(const SimpleShear& shear, const Scene& scene, SceneSummary& summar
   summary.left_out.emplace_back("no gravity, no walls: periodic, sheared by its boundaries");
 }
 void describe(const PlaneShear& shear, const Scene& scene, SceneSummary& summary) {
-  summary.used.push_back(
-      fmt::format("plane shear: {} grains on {:.6g} x {:.6g}, upper wall at {:.6g}, {}; walls {}",
-                  grains(scene),
-                  shear.length,
-                  shear.width,
-                  shear.velocity,
-                  shear.load ? fmt::format("loaded by {:.6g}", *shear.load) : "fixed distance",
-                  scene.start.empty() ? recipe(shear.wall) : "of the start"));
+  summary.used.push_back(fmt::format(
+      "plane shear: {} grains on {:.6g} x {:.6g}, upper wall moving at {:.6g}, {}; walls {}",
+      grains(scene),
+      shear.length,
+      shear.width,
+      shear.velocity,
+      shear.load ? fmt::format("loaded by {:.6g}", *shear.load) : "fixed distance",
+      scene.start.empty() ? recipe(shear.wall) : "of the start"));
   if (shear.gravity > 0.0) {
     summary.used.push_back(fmt::format("gravity {:.6g}", shear.gravity));
   } else {

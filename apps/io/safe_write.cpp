@@ -165,4 +165,11 @@ std::string read_file(const std::filesystem::path& path, std::size_t largest) {
   return bytes;
 }
 
+std::string read_text(const std::filesystem::path& path, std::size_t largest) {
+  constexpr std::string_view byte_order_mark = "\xef\xbb\xbf";
+  std::string text = read_file(path, largest);
+  if (text.starts_with(byte_order_mark)) text.erase(0, byte_order_mark.size());
+  return text;
+}
+
 }  // namespace grainlaw::io

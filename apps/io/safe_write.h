@@ -28,4 +28,8 @@ void remove_temporaries(const std::filesystem::path& path);
 std::string read_file(const std::filesystem::path& path,
                       std::size_t largest = std::size_t{4} << 30);
 
+/// The same without the byte order mark that spreadsheets put in front of a text.
+std::string read_text(const std::filesystem::path& path,
+                      std::size_t largest = std::size_t{4} << 30);
+
 }  // namespace grainlaw::io

@@ -61,7 +61,7 @@ std::vector<Cell> cells_of(std::string_view line) {
 class StartReader {
  public:
   StartReader(const std::filesystem::path& path, const Units& units)
-      : path_(path), text_(read_file(path)), units_(units) {}
+      : path_(path), text_(read_text(path)), units_(units) {}
 
   std::vector<dem::StartGrain> read() {
     read_names();

@@ -99,7 +99,7 @@ class Lines {
 TextTable open(const std::filesystem::path& path) {
   TextTable table;
   table.path = path;
-  table.text = read_file(path, largest_table);
+  table.text = read_text(path, largest_table);
   return table;
 }
 

@@ -2,6 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <limits>
+
+#include "apps/program.h"
+#include "tests/apps/io/temporary_directory.h"
+
 namespace grainlaw {
 namespace {
 
@@ -30,6 +36,45 @@ TEST(Pace, CountsOnlyWhatWasDoneSinceARunWentOn) {
   pace.add(flowing(60.0, 4800, 3.0));
   EXPECT_DOUBLE_EQ(pace.grain_steps_per_second(), 1000.0 * 800.0 / 2.0);
   EXPECT_DOUBLE_EQ(pace.seconds_left(), 40.0 / 10.0 * 2.0);
+}
+
+/// A layer that accelerates, run for 20 sqrt(d/g), asked to stop once it has come this far.
+struct StoppedAt {
+  explicit StoppedAt(double time) {
+    const io::SceneFile file = io::parse_scene(
+        "units = \"grain\"\n"
+        "[contact.normal]\nlaw = \"hooke\"\nstiffness = 2e3\nrestitution = 0.5\n"
+        "[geometry]\nkind = \"chute\"\ninclination = 30\n"
+        "length = 4\nwidth = 4\ngrains = 60\n"
+        "[measurement]\naveraging_time = 10\ntime_limit = 20\n",
+        "small.toml");
+    const auto ask = [&](const dem::Progress& now, const Pace&) {
+      if (!now.settling && now.time >= time) stop_after(0.0);
+      last = now.time;
+    };
+    run = run_scene(file, output, {}, {.progress = ask, .note = [](const std::string&) {}});
+    stop_after(1e9);
+  }
+  bool has_checkpoint() const { return std::filesystem::exists(output.string() + ".checkpoint"); }
+
+  io::TemporaryDirectory directory;
+  std::filesystem::path output = directory.path() / "small.h5";
+  double last = 0.0;
+  SceneRun run;
+};
+
+TEST(CheckpointedRun, StoppedOnItsWayLeavesACheckpoint) {
+  const StoppedAt early(4.0);
+  EXPECT_TRUE(early.run.stopped);
+  EXPECT_TRUE(early.has_checkpoint());
+}
+
+TEST(CheckpointedRun, AskedToStopInItsLastFrameIsFinished) {
+  const StoppedAt never(std::numeric_limits<double>::infinity());
+  const StoppedAt at_end(never.last);
+  EXPECT_EQ(at_end.last, never.last);
+  EXPECT_FALSE(at_end.run.stopped);
+  EXPECT_FALSE(at_end.has_checkpoint());
 }
 
 }  // namespace

@@ -102,6 +102,47 @@ TEST(SplitBottom, WithoutExactlyOnePathNothingIsPicked) {
   }
 }
 
+/// I of the published cell runs from 1.1e-2 at the bottom down to 1.3e-3, p* up to 0.0104.
+TEST(SplitBottom, SaysWhereTheTableHasNoData) {
+  const auto flagged = [](const RheologyTable& table) {
+    const auto cell = split_bottom(table, ring_cell());
+    const auto& flags = cell.answer.out_of_domain;
+    return flags.empty() ? std::string() : flags.front().quantity;
+  };
+  RheologyTable table = table_of(slippery_spheres());
+  EXPECT_EQ(flagged(table), "");
+  table.range.inertial_number = Range{0.005, 0.25};
+  EXPECT_EQ(flagged(table), "I");
+  table.range.inertial_number.reset();
+  table.range.softness = Range{0.0, 0.005};
+  EXPECT_EQ(flagged(table), "p*");
+}
+
+/// f_p = 1 - sqrt(p*/p_mu) vanishes where p d / k_n = p_mu.
+TEST(SplitBottom, GrainsTooSoftForFrictionHaveNoAnswer) {
+  SplitBottomCase soft = ring_cell();
+  for (const double stiffness : {1.0, 1e-8, 1e-300}) {
+    soft.grains.stiffness = stiffness;
+    const auto cell = split_bottom(table_of(slippery_spheres()), soft);
+    EXPECT_EQ(cell.answer.outcome, Outcome::no_steady) << stiffness;
+    EXPECT_TRUE(cell.rows.empty());
+  }
+}
+
+TEST(SplitBottom, GrainsOfNoSizeAreRefused) {
+  SplitBottomCase cell = ring_cell();
+  for (const double diameter : {1e-300, 1e300}) {
+    cell.grains.diameter = diameter;
+    EXPECT_THROW(split_bottom(table_of(slippery_spheres()), cell), std::invalid_argument);
+  }
+}
+
+TEST(SplitBottom, AFillingTooShallowForItsPathIsNotCalledADome) {
+  const auto cell = split_bottom(table_of(slippery_spheres()), ring_cell(1e-6));
+  EXPECT_EQ(cell.answer.outcome, Outcome::not_converged);
+  EXPECT_NE(cell.answer.text.find("too shallow"), std::string::npos);
+}
+
 TEST(SplitBottom, IsCalledGeometry) {
   const auto cell = split_bottom(table_of(slippery_spheres()), ring_cell());
   EXPECT_NE(cell.answer.text.find("geometry, not a solution"), std::string::npos);

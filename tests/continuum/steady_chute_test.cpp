@@ -89,6 +89,8 @@ TEST(SteadyChute, RefusesCasesWithoutMeaning) {
   EXPECT_THROW(steady_chute(frictional, chute(-90, 52.2)), std::invalid_argument);
   EXPECT_THROW(steady_chute(frictional, chute(24, 0.0)), std::invalid_argument);
   EXPECT_THROW(steady_chute(frictional, chute(24, NAN)), std::invalid_argument);
+  EXPECT_THROW(steady_chute(frictional, chute(24, 1e-300)), std::invalid_argument);
+  EXPECT_THROW(steady_chute(frictional, chute(24, 1e300)), std::invalid_argument);
   EXPECT_THROW(steady_chute(frictional, chute(24, 50, {.stiffness = -1.0})), std::invalid_argument);
   EXPECT_THROW(steady_chute(frictional, chute(24, 50), {.rows = 1}), std::invalid_argument);
   EXPECT_THROW(steady_chute(table_of(bagnold_at_24_degrees(0, 0, 0)), chute(24, 50)), TableError);

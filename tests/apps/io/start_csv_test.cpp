@@ -53,6 +53,10 @@ TEST(StartCsv, GrainsAreReadInAnyOrderOfColumnsWithDefaults) {
   EXPECT_EQ(full.scene.start[0].rotation, (dem::Vec3{4.0, 5.0, 6.0}));
 }
 
+TEST(StartCsv, AByteOrderMarkOfASpreadsheetIsNoPartOfTheFirstName) {
+  EXPECT_EQ(WithStart().read("\xef\xbb\xbf" + many_grains("x,y,z", "")).scene.start.size(), 22u);
+}
+
 TEST(StartCsv, NumbersAreInTheUnitsOfTheScene) {
   WithStart scene;
   scene.geometry =
