@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "apps/certificate.h"
 #include "apps/command_line.h"
 #include "apps/io/case_input.h"
 #include "apps/io/profile_csv.h"
@@ -25,6 +26,7 @@ struct Arguments {
   std::string question;
   std::string table;
   std::string output;
+  bool certificate = false;
 };
 
 using continuum::flows;
@@ -214,6 +216,8 @@ ExitCode predict_in_time(const Arguments& arguments,
   const auto transient = continuum::transient_chute(table, file.chute, file.transient);
   describe_transient(summary, transient, file.units);
   summary.add("trust", "trust", trust(transient.answer, table));
+  if (arguments.certificate)
+    say_certificate(summary, table, transient.final_profile, file.chute.grains);
   if (!arguments.output.empty() && !transient.final_profile.rows.empty()) {
     write_snapshots(arguments, file, transient);
     write_profile(transient.final_profile, transient.answer, file.units, arguments.output);
@@ -242,6 +246,7 @@ ExitCode predict_steady(const Arguments& arguments,
     summary.add("time_loop", "time loop", std::string("left out: answer = \"steady\""));
   }
   summary.add("trust", "trust", trust(steady.answer, table));
+  if (arguments.certificate) say_certificate(summary, table, steady.profile, file.chute.grains);
   if (!arguments.output.empty() && !steady.profile.rows.empty()) {
     write_profile(steady.profile, steady.answer, file.units, arguments.output);
     summary.add("output", "profile", arguments.output);
@@ -258,7 +263,8 @@ ExitCode predict(const Arguments& arguments, const CommonOptions& options) {
   const continuum::RheologyTable table =
       io::in_grain_units(io::read_table(arguments.table), file.units);
   if (!file.simple_shear) continuum::validate(table);  // no flow follows from phi alone
-  if (!file.is_chute()) return predict_flow(file, table, arguments.output, options);
+  if (!file.is_chute())
+    return predict_flow(file, table, arguments.output, arguments.certificate, options);
   if (options.check) {
     print(check(file, table), options);
     return ExitCode::answered;
@@ -267,6 +273,7 @@ ExitCode predict(const Arguments& arguments, const CommonOptions& options) {
                                              : continuum::steady_chute(table, file.chute);
   continuum::add_error_band(steady, table, file.chute);
   Summary summary;
+  if (arguments.certificate) say_certificate(summary, table);
   describe(summary, steady.answer, steady.profile, file.units);
   if (file.question == io::Question::start || file.question == io::Question::step)
     return predict_in_time(arguments, file, table, summary, options);
@@ -288,6 +295,9 @@ int main(int argc, char** argv) {
   line.required("CASE.toml", arguments.question, "the question");
   line.option("-t,--table", arguments.table, "rheology table", true);
   line.option("-o,--output", arguments.output, "profile as PROFILE.csv or PROFILE.json");
+  line.flag("--certificate",
+            arguments.certificate,
+            "say where the law is well-posed in 2D and 3D, and by which margin");
   if (const auto code = line.parse(argc, argv)) return *code;
   return run_program("grainlaw predict", [&] { return predict(arguments, options); });
 }

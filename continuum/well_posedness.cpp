@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
+#include <string>
 
 #include "continuum/flow_curve.h"
 
@@ -104,8 +106,7 @@ double margin_error(const RheologyTable& table, const FlowState& at, double marg
   std::vector<double> error(n, 0.0);
   for (std::size_t i = 0; i < n; ++i) {
     error[i] = std::sqrt(covariance(i, i));
-    if (error[i] > 0.0)
-      change[i] = margin_change(table, covariance.names[i], error[i], at, margin);
+    if (error[i] > 0.0) change[i] = margin_change(table, covariance.names[i], error[i], at, margin);
   }
   double variance = 0.0;
   for (std::size_t i = 0; i < n; ++i)
@@ -118,6 +119,16 @@ double margin_error(const RheologyTable& table, const FlowState& at, double marg
 double normal_below_zero(double mean, double error) {
   if (error == 0.0) return mean < 0.0 ? 1.0 : 0.0;
   return 0.5 * std::erfc(mean / error / std::numbers::sqrt2);
+}
+
+FlowState state_of(const ProfileRow& row,
+                   const GrainProperties& grains,
+                   const RheologyTable& table) {
+  const bool bagnold = std::holds_alternative<GeneralisedBagnold>(table.law);
+  const double d = grains.diameter;
+  return {.inertial_number = bagnold ? row.shear_rate : row.inertial_number,
+          .softness = grains.stiffness ? row.pressure * d / *grains.stiffness : 0.0,
+          .bond_number = grains.adhesion.value_or(0.0) / (row.pressure * d * d)};
 }
 
 }  // namespace
@@ -167,6 +178,27 @@ std::optional<CertifiedState> certify(const RheologyTable& table, const FlowStat
     state.ill_posed_probability = normal_below_zero(found->margin, *state.margin_error);
   }
   return state;
+}
+
+std::optional<CertifiedFlow> certify(const RheologyTable& table,
+                                     const Profile& profile,
+                                     const GrainProperties& grains) {
+  std::optional<FlowState> worst;
+  double least = std::numeric_limits<double>::infinity();
+  double sheared = 0.0;
+  double ill_posed = 0.0;
+  for (const ProfileRow& row : profile.rows) {
+    if (!(row.shear_rate != 0.0 && row.pressure > 0.0)) continue;
+    const FlowState at = state_of(row, grains, table);
+    const auto found = well_posedness(table, at);
+    if (!found) continue;
+    sheared += 1.0;
+    if (!found->holds()) ill_posed += 1.0;
+    if (found->margin < least) worst = at;
+    least = std::min(least, found->margin);
+  }
+  if (!worst) return std::nullopt;
+  return CertifiedFlow{*certify(table, *worst), ill_posed / sheared};
 }
 
 }  // namespace grainlaw::continuum

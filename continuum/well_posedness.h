@@ -1,10 +1,9 @@
 #pragma once
 
-#include <limits>
 #include <optional>
-#include <string>
 #include <vector>
 
+#include "continuum/profile.h"
 #include "continuum/rheology_table.h"
 
 namespace grainlaw::continuum {
@@ -12,7 +11,8 @@ namespace grainlaw::continuum {
 // May a law be used in a code that resolves two or three dimensions? For tau_ij = T(p, gd) D_ij/|D|
 // in incompressible plane shear a short wave in the direction e, with a = e.D.e/|D| in [-1, 1],
 // grows at the rate
-//     -k^2 (T / 2|D|) (1 - (1 - q) (1 - a^2) / (1 - r a)),  q = dlnT/dln gd,  r = dT/dp at fixed gd,
+//     -k^2 (T / 2|D|) (1 - (1 - q) (1 - a^2) / (1 - r a)),  q = dlnT/dln gd,  r = dT/dp at fixed
+//     gd,
 // so no direction grows without bound if and only if |r| < 1 and
 //     F = min over a of q - r a + (1 - q) a^2 >= 0.
 // For mu(I) this is the condition of Barker et al. 2015 (J. Fluid Mech. 779, 794). A wave
@@ -75,5 +75,16 @@ struct CertifiedState {
 
 /// Absent where well_posedness() is.
 std::optional<CertifiedState> certify(const RheologyTable& table, const FlowState& at);
+
+/// The certificate of a predicted flow.
+struct CertifiedFlow {
+  CertifiedState worst;             ///< of the sheared rows, by margin
+  double ill_posed_fraction = 0.0;  ///< of the sheared rows, those at F < 0
+};
+
+/// Absent where nothing shears.
+std::optional<CertifiedFlow> certify(const RheologyTable& table,
+                                     const Profile& profile,
+                                     const GrainProperties& grains);
 
 }  // namespace grainlaw::continuum

@@ -78,9 +78,8 @@ TEST(V15WellPosedness, FrictionalSpheresHaveTheIntervalsOfTheHandDerivedConditio
 
 /// mu_s = 0.383, mu_2 = 0.643, I0 = 0.279 of glass beads.
 TEST(V15WellPosedness, GlassBeadsAreWellPosedWhereTheConditionOfBarkerHolds) {
-  const RheologyTable table =
-      table_of(MuPhi{.friction = saturating_friction(0.383, 0.643, 0.279),
-                     .volume_fraction = {.phi0 = 0.6, .I_phi = INFINITY}});
+  const RheologyTable table = table_of(MuPhi{.friction = saturating_friction(0.383, 0.643, 0.279),
+                                             .volume_fraction = {.phi0 = 0.6, .I_phi = INFINITY}});
   expect_interval(table, {0.0, 0.0, {0.0197, 1e-4}, {0.846, 1e-3}});
   const auto found = well_posed_intervals(table, 0.0, 0.0);
   for (const double I : {found[0].lower, found[0].upper}) {
@@ -222,8 +221,8 @@ double largest_growth(const MuPhi& law,
   double largest = -INFINITY;
   for (const double elevation : elevations)
     for (int i = 0; i < azimuths; ++i)
-      largest = std::max(
-          largest, growth(law, grains, rate, std::numbers::pi * i / azimuths, elevation));
+      largest =
+          std::max(largest, growth(law, grains, rate, std::numbers::pi * i / azimuths, elevation));
   return largest;
 }
 
@@ -253,8 +252,7 @@ std::vector<RandomState> random_states() {
 /// A direction on the grid is at most pi / 2 / azimuths from the worst one, so a = e.D.e / |D| is
 /// within pi / azimuths of it and the least of F within its curvature times the square. The tensor
 /// is differentiated with a relative step of 1e-5: 1e-10 of curvature, 1e-11 of rounding.
-constexpr double undecided =
-    (std::numbers::pi / azimuths) * (std::numbers::pi / azimuths) + 1e-8;
+constexpr double undecided = (std::numbers::pi / azimuths) * (std::numbers::pi / azimuths) + 1e-8;
 
 TEST(V15WellPosedness, EigenvaluesOfTheLinearisedEquationsAgreeInRandomStates) {
   int decided = 0;
