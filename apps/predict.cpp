@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <cmath>
 #include <filesystem>
 #include <optional>
 
@@ -11,7 +10,9 @@
 #include "apps/io/rheology_table_toml.h"
 #include "apps/io/safe_write.h"
 #include "apps/predict_flow.h"
+#include "apps/predict_sweep.h"
 #include "apps/program.h"
+#include "apps/steady_question.h"
 #include "apps/summary.h"
 #include "apps/trust.h"
 #include "continuum/chute_1d.h"
@@ -30,46 +31,6 @@ struct Arguments {
 };
 
 using continuum::flows;
-
-/// Which side of the wanted depth a mass lies on.
-enum class Side { too_shallow, too_deep };
-
-Side side_of(const continuum::SteadyChute& steady, double depth) {
-  switch (steady.answer.outcome) {
-    case Outcome::arrested:
-      return Side::too_shallow;  // a cohesive layer rests until it is deep
-    case Outcome::steady:
-    case Outcome::plug:
-      return steady.profile.height > depth ? Side::too_deep : Side::too_shallow;
-    default:
-      return Side::too_deep;  // soft grains have a greatest depth
-  }
-}
-
-/// Finds the mass per area of a layer whose free surface stands at `depth`, by bisection: height
-/// grows with mass. Where no mass gives a flow of that depth the answer says why.
-continuum::SteadyChute steady_at_depth(const continuum::RheologyTable& table,
-                                       continuum::ChuteCase& chute,
-                                       double depth) {
-  const double unit = chute.grains.density * chute.grains.diameter;
-  double low = (table.base ? table.base->mass_below : 0.0) * unit;
-  double high = low + chute.grains.density * depth;  // phi = 1: more than any layer holds
-  continuum::SteadyChute steady;
-  for (int k = 0; k < 200; ++k) {
-    chute.mass_per_area = 0.5 * (low + high);
-    if (chute.mass_per_area <= low || chute.mass_per_area >= high) break;  // neighbouring numbers
-    steady = continuum::steady_chute(table, chute);
-    (side_of(steady, depth) == Side::too_deep ? high : low) = chute.mass_per_area;
-  }
-  if (flows(steady.answer.outcome) && std::abs(steady.profile.height - depth) > 1e-9 * depth) {
-    throw NoAnswer(
-        fmt::format("no steady layer of this law is {:.6g} d deep at this tilt: the "
-                    "nearest reaches {:.6g} d",
-                    depth,
-                    steady.profile.height));
-  }
-  return steady;
-}
 
 void describe(Summary& summary,
               const continuum::Answer& answer,
@@ -263,15 +224,14 @@ ExitCode predict(const Arguments& arguments, const CommonOptions& options) {
   const continuum::RheologyTable table =
       io::in_grain_units(io::read_table(arguments.table), file.units);
   if (!file.simple_shear) continuum::validate(table);  // no flow follows from phi alone
+  if (file.sweep) return predict_sweep(file, arguments.table, arguments.output, options);
   if (!file.is_chute())
     return predict_flow(file, table, arguments.output, arguments.certificate, options);
   if (options.check) {
     print(check(file, table), options);
     return ExitCode::answered;
   }
-  continuum::SteadyChute steady = file.depth ? steady_at_depth(table, file.chute, *file.depth)
-                                             : continuum::steady_chute(table, file.chute);
-  continuum::add_error_band(steady, table, file.chute);
+  const continuum::SteadyChute steady = steady_with_band(table, file.chute, file.depth);
   Summary summary;
   if (arguments.certificate) say_certificate(summary, table);
   describe(summary, steady.answer, steady.profile, file.units);
