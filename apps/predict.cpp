@@ -16,6 +16,7 @@
 #include "apps/summary.h"
 #include "apps/trust.h"
 #include "continuum/chute_1d.h"
+#include "continuum/sampled_band.h"
 
 namespace grainlaw {
 namespace {
@@ -51,6 +52,23 @@ void describe(Summary& summary,
                        units.symbol(is::velocity));
   summary.add(
       "flux", "flux int phi v dz", profile.flux * units.size(is::flux), units.symbol(is::flux));
+}
+
+/// Beside the band of linear propagation, one that knows no linearity.
+void describe_sampled_band(Summary& summary,
+                           const std::optional<continuum::SampledBand>& band,
+                           const io::Units& units) {
+  if (!band) return;
+  if (!band->rows.empty()) {
+    const double velocity = units.size(io::dimension::velocity);
+    const auto& surface = band->rows.back();
+    summary.add("surface_velocity_95",
+                "  95 % by sampling",
+                fmt::format("{:.4g} to {:.4g}", surface.lower * velocity, surface.upper * velocity),
+                units.symbol(io::dimension::velocity));
+  }
+  summary.add("bands_agree", "  bands agree", band->agrees);
+  if (!band->agrees) summary.add("band_text", "  in words", band->text);
 }
 
 /// The transient is what SUNDIALS carries; the quadrature is its independent check.
@@ -199,6 +217,8 @@ ExitCode predict_steady(const Arguments& arguments,
                         Summary& summary,
                         const CommonOptions& options) {
   std::optional<continuum::TransientChute> transient;
+  describe_sampled_band(
+      summary, continuum::sample_error_band(steady, table, file.chute), file.units);
   if (file.question == io::Question::flow) {
     transient = continuum::transient_chute(table, file.chute, file.transient);
     describe_transient(summary, *transient, file.units);
