@@ -108,14 +108,16 @@ SampledVelocity statistics(double z, std::vector<double> velocities) {
           .upper = quantile(velocities, 0.975)};
 }
 
-/// Largest |ln(sampled / linear)| over the rows. A row whose band reaches down to rest is left out,
-/// as velocities end there, and so is one whose scatter is that of rounding.
+/// Largest |ln(sampled / linear)| over the rows. A row below the surface whose linear band reaches
+/// down to rest is left out, as velocities end there, and so is one whose scatter is that of
+/// rounding.
 double largest_disagreement(const SampledBand& band, const std::vector<ProfileRow>& rows) {
   double largest = 0.0;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const double scatter = std::max(band.rows[i].deviation, rows[i].velocity_error);
     const double speed = std::abs(rows[i].velocity);
-    if (speed < 2.0 * scatter || scatter < 1e-6 * speed) continue;
+    const bool at_rest = i + 1 < rows.size() && speed < 2.0 * rows[i].velocity_error;
+    if (at_rest || scatter <= 1e-6 * speed) continue;
     largest =
         std::max(largest, std::abs(std::log(band.rows[i].deviation / rows[i].velocity_error)));
   }

@@ -34,7 +34,8 @@ struct SampledBand {
 /// Draws the coefficients from a normal distribution with the table's covariance and predicts each
 /// draw anew: no step of this is linear. The profile must carry the band of add_error_band. A
 /// standard deviation of n draws is known to 1 / sqrt(2 (n - 1)); four times that, and a draw
-/// without flow, is disagreement. Rows whose band reaches down to rest are not compared. Absent
+/// without flow, is disagreement. Rows below the surface whose band
+/// reaches down to rest are not compared. Absent
 /// without a covariance or a profile.
 std::optional<SampledBand> sample_error_band(const SteadyChute& steady,
                                              const RheologyTable& table,
