@@ -8,6 +8,8 @@
 #include <limits>
 #include <numbers>
 
+#include "continuum/sampled_band.h"
+
 namespace grainlaw {
 namespace {
 
@@ -229,6 +231,13 @@ Prediction predict_chute(const continuum::RheologyTable& table,
   return prediction;
 }
 
+/// The band shown is that of linear propagation; where draws of the coefficients say another.
+void note_band(report::RunComparison& run, const continuum::RheologyTable& table) {
+  const auto band =
+      continuum::sample_error_band(run.steady, table, chute_case(run.data.conditions));
+  if (band && !band->agrees) run.notes.push_back("band: " + band->text);
+}
+
 report::RunComparison compare_run(const dem::LocalData& data,
                                   const continuum::RheologyTable& table,
                                   std::span<const dem::LocalData> fitted) {
@@ -241,6 +250,7 @@ report::RunComparison compare_run(const dem::LocalData& data,
   run.steady_against_transient = prediction.steady_against_transient;
   run.predict_seconds = prediction.wall_seconds;
   note_mismatch(run, table);
+  note_band(run, table);
   run.error = error_of(data, run.steady);
   if (run.start) run.start_error = calibration::transient_error(data, run.start->snapshots);
   if (!data.window.steady) return run;

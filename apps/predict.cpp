@@ -1,19 +1,22 @@
 #include <fmt/format.h>
 
-#include <cmath>
 #include <filesystem>
 #include <optional>
 
+#include "apps/certificate.h"
 #include "apps/command_line.h"
 #include "apps/io/case_input.h"
 #include "apps/io/profile_csv.h"
 #include "apps/io/rheology_table_toml.h"
 #include "apps/io/safe_write.h"
 #include "apps/predict_flow.h"
+#include "apps/predict_sweep.h"
 #include "apps/program.h"
+#include "apps/steady_question.h"
 #include "apps/summary.h"
 #include "apps/trust.h"
 #include "continuum/chute_1d.h"
+#include "continuum/sampled_band.h"
 
 namespace grainlaw {
 namespace {
@@ -25,49 +28,10 @@ struct Arguments {
   std::string question;
   std::string table;
   std::string output;
+  bool certificate = false;
 };
 
 using continuum::flows;
-
-/// Which side of the wanted depth a mass lies on.
-enum class Side { too_shallow, too_deep };
-
-Side side_of(const continuum::SteadyChute& steady, double depth) {
-  switch (steady.answer.outcome) {
-    case Outcome::arrested:
-      return Side::too_shallow;  // a cohesive layer rests until it is deep
-    case Outcome::steady:
-    case Outcome::plug:
-      return steady.profile.height > depth ? Side::too_deep : Side::too_shallow;
-    default:
-      return Side::too_deep;  // soft grains have a greatest depth
-  }
-}
-
-/// Finds the mass per area of a layer whose free surface stands at `depth`, by bisection: height
-/// grows with mass. Where no mass gives a flow of that depth the answer says why.
-continuum::SteadyChute steady_at_depth(const continuum::RheologyTable& table,
-                                       continuum::ChuteCase& chute,
-                                       double depth) {
-  const double unit = chute.grains.density * chute.grains.diameter;
-  double low = (table.base ? table.base->mass_below : 0.0) * unit;
-  double high = low + chute.grains.density * depth;  // phi = 1: more than any layer holds
-  continuum::SteadyChute steady;
-  for (int k = 0; k < 200; ++k) {
-    chute.mass_per_area = 0.5 * (low + high);
-    if (chute.mass_per_area <= low || chute.mass_per_area >= high) break;  // neighbouring numbers
-    steady = continuum::steady_chute(table, chute);
-    (side_of(steady, depth) == Side::too_deep ? high : low) = chute.mass_per_area;
-  }
-  if (flows(steady.answer.outcome) && std::abs(steady.profile.height - depth) > 1e-9 * depth) {
-    throw NoAnswer(
-        fmt::format("no steady layer of this law is {:.6g} d deep at this tilt: the "
-                    "nearest reaches {:.6g} d",
-                    depth,
-                    steady.profile.height));
-  }
-  return steady;
-}
 
 void describe(Summary& summary,
               const continuum::Answer& answer,
@@ -88,6 +52,23 @@ void describe(Summary& summary,
                        units.symbol(is::velocity));
   summary.add(
       "flux", "flux int phi v dz", profile.flux * units.size(is::flux), units.symbol(is::flux));
+}
+
+/// Beside the band of linear propagation, one that knows no linearity.
+void describe_sampled_band(Summary& summary,
+                           const std::optional<continuum::SampledBand>& band,
+                           const io::Units& units) {
+  if (!band) return;
+  if (!band->rows.empty()) {
+    const double velocity = units.size(io::dimension::velocity);
+    const auto& surface = band->rows.back();
+    summary.add("surface_velocity_95",
+                "  95 % by sampling",
+                fmt::format("{:.4g} to {:.4g}", surface.lower * velocity, surface.upper * velocity),
+                units.symbol(io::dimension::velocity));
+  }
+  summary.add("bands_agree", "  bands agree", band->agrees);
+  if (!band->agrees) summary.add("band_text", "  in words", band->text);
 }
 
 /// The transient is what SUNDIALS carries; the quadrature is its independent check.
@@ -214,6 +195,8 @@ ExitCode predict_in_time(const Arguments& arguments,
   const auto transient = continuum::transient_chute(table, file.chute, file.transient);
   describe_transient(summary, transient, file.units);
   summary.add("trust", "trust", trust(transient.answer, table));
+  if (arguments.certificate)
+    say_certificate(summary, table, transient.final_profile, file.chute.grains);
   if (!arguments.output.empty() && !transient.final_profile.rows.empty()) {
     write_snapshots(arguments, file, transient);
     write_profile(transient.final_profile, transient.answer, file.units, arguments.output);
@@ -234,6 +217,8 @@ ExitCode predict_steady(const Arguments& arguments,
                         Summary& summary,
                         const CommonOptions& options) {
   std::optional<continuum::TransientChute> transient;
+  describe_sampled_band(
+      summary, continuum::sample_error_band(steady, table, file.chute), file.units);
   if (file.question == io::Question::flow) {
     transient = continuum::transient_chute(table, file.chute, file.transient);
     describe_transient(summary, *transient, file.units);
@@ -242,6 +227,7 @@ ExitCode predict_steady(const Arguments& arguments,
     summary.add("time_loop", "time loop", std::string("left out: answer = \"steady\""));
   }
   summary.add("trust", "trust", trust(steady.answer, table));
+  if (arguments.certificate) say_certificate(summary, table, steady.profile, file.chute.grains);
   if (!arguments.output.empty() && !steady.profile.rows.empty()) {
     write_profile(steady.profile, steady.answer, file.units, arguments.output);
     summary.add("output", "profile", arguments.output);
@@ -258,15 +244,16 @@ ExitCode predict(const Arguments& arguments, const CommonOptions& options) {
   const continuum::RheologyTable table =
       io::in_grain_units(io::read_table(arguments.table), file.units);
   if (!file.simple_shear) continuum::validate(table);  // no flow follows from phi alone
-  if (!file.is_chute()) return predict_flow(file, table, arguments.output, options);
+  if (file.sweep) return predict_sweep(file, arguments.table, arguments.output, options);
+  if (!file.is_chute())
+    return predict_flow(file, table, arguments.output, arguments.certificate, options);
   if (options.check) {
     print(check(file, table), options);
     return ExitCode::answered;
   }
-  continuum::SteadyChute steady = file.depth ? steady_at_depth(table, file.chute, *file.depth)
-                                             : continuum::steady_chute(table, file.chute);
-  continuum::add_error_band(steady, table, file.chute);
+  const continuum::SteadyChute steady = steady_with_band(table, file.chute, file.depth);
   Summary summary;
+  if (arguments.certificate) say_certificate(summary, table);
   describe(summary, steady.answer, steady.profile, file.units);
   if (file.question == io::Question::start || file.question == io::Question::step)
     return predict_in_time(arguments, file, table, summary, options);
@@ -288,6 +275,9 @@ int main(int argc, char** argv) {
   line.required("CASE.toml", arguments.question, "the question");
   line.option("-t,--table", arguments.table, "rheology table", true);
   line.option("-o,--output", arguments.output, "profile as PROFILE.csv or PROFILE.json");
+  line.flag("--certificate",
+            arguments.certificate,
+            "say where the law is well-posed in 2D and 3D, and by which margin");
   if (const auto code = line.parse(argc, argv)) return *code;
   return run_program("grainlaw predict", [&] { return predict(arguments, options); });
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "apps/certificate.h"
 #include "apps/io/homogeneous_csv.h"
 #include "apps/io/profile_csv.h"
 #include "apps/io/safe_write.h"
@@ -132,13 +133,21 @@ bool as_json(const std::string& output) {
 ExitCode predict_band(const io::CaseFile& file,
                       const continuum::RheologyTable& table,
                       const std::string& output,
+                      bool certificate,
                       const CommonOptions& options) {
   ShearBand band = continuum::shear_band(table, *file.band);
   continuum::add_error(band, table, *file.band);
   Summary summary;
+  if (certificate) say_certificate(summary, table);
   say_answer(summary, band.answer);
   if (flows(band.answer.outcome)) say_band(summary, band, file);
   summary.add("trust", "trust", trust(band.answer, table));
+  if (certificate && nonlocal(*file.band))
+    summary.add("certificate_text",
+                "  in words",
+                std::string("of the local law alone: where the flow is nonlocal nothing is said"));
+  else if (certificate)
+    say_certificate(summary, table, band.profile, file.band->grains);
   if (!output.empty() && !band.profile.rows.empty()) {
     const bool annular = std::holds_alternative<continuum::AnnularShear>(file.band->flow);
     const bool box = std::holds_alternative<continuum::BodyForceBox>(file.band->flow);
@@ -164,9 +173,11 @@ void say_spread(const Lines& lines, const SplitBottom& cell) {
 ExitCode predict_split_bottom(const io::CaseFile& file,
                               const continuum::RheologyTable& table,
                               const std::string& output,
+                              bool certificate,
                               const CommonOptions& options) {
   const SplitBottom cell = continuum::split_bottom(table, *file.split_bottom);
   Summary summary;
+  if (certificate) say_certificate(summary, table);
   say_answer(summary, cell.answer);
   const Lines lines{summary, file.units};
   if (!cell.rows.empty()) {
@@ -190,13 +201,14 @@ ExitCode predict_split_bottom(const io::CaseFile& file,
   return ExitCode::answered;
 }
 
+constexpr std::size_t most_states_said = 24;
+
 /// One line per point; a table of many goes to the output.
 void say_states(Summary& summary, const std::vector<continuum::HomogeneousState>& states) {
-  constexpr std::size_t most = 24;
   const auto text = [](const std::optional<double>& value) {
     return value ? fmt::format("{:.5g}", *value) : std::string("none");
   };
-  for (std::size_t i = 0; i < std::min(states.size(), most); ++i) {
+  for (std::size_t i = 0; i < std::min(states.size(), most_states_said); ++i) {
     const auto& s = states[i];
     const std::string at =
         fmt::format("I {:.4g}, p* {:.4g}, Bo {:.4g}", s.inertial_number, s.softness, s.bond_number);
@@ -207,19 +219,40 @@ void say_states(Summary& summary, const std::vector<continuum::HomogeneousState>
                             text(s.volume_fraction),
                             s.in_range ? "" : "  OUT_OF_DOMAIN"));
   }
-  if (states.size() > most)
-    summary.add("more", "more", fmt::format("{} points: give -o", states.size() - most));
+  if (states.size() > most_states_said)
+    summary.add(
+        "more", "more", fmt::format("{} points: give -o", states.size() - most_states_said));
+}
+
+/// The margin of well-posedness at the points asked for.
+void say_margins(Summary& summary,
+                 const std::vector<continuum::HomogeneousState>& states,
+                 const continuum::RheologyTable& table) {
+  say_certificate(summary, table);
+  for (std::size_t i = 0; i < std::min(states.size(), most_states_said); ++i) {
+    const auto& s = states[i];
+    const auto found = continuum::certify(table, {s.inertial_number, s.softness, s.bond_number});
+    if (!found) continue;
+    summary.add_estimate(
+        fmt::format("margin_{}", i + 1),
+        fmt::format(
+            "  F at I {:.4g}, p* {:.4g}, Bo {:.4g}", s.inertial_number, s.softness, s.bond_number),
+        found->well_posedness.margin,
+        found->margin_error.value_or(0.0));
+  }
 }
 
 ExitCode predict_simple_shear(const io::CaseFile& file,
                               const continuum::RheologyTable& table,
                               const std::string& output,
+                              bool certificate,
                               const CommonOptions& options) {
   const auto& shear = *file.simple_shear;
   const auto states = continuum::homogeneous_shear(
       table, shear.inertial_numbers, shear.softnesses, shear.bond_numbers);
   Summary summary;
   say_states(summary, states);
+  if (certificate && table.has_friction) say_margins(summary, states, table);
   const long outside = std::ranges::count(states, false, &continuum::HomogeneousState::in_range);
   summary.add("outside", "points outside", outside);
   summary.add("trust",
@@ -241,14 +274,15 @@ ExitCode predict_simple_shear(const io::CaseFile& file,
 ExitCode predict_flow(const io::CaseFile& file,
                       const continuum::RheologyTable& table,
                       const std::string& output,
+                      bool certificate,
                       const CommonOptions& options) {
   if (options.check) {
     print(check(file, table), options);
     return ExitCode::answered;
   }
-  if (file.band) return predict_band(file, table, output, options);
-  if (file.split_bottom) return predict_split_bottom(file, table, output, options);
-  return predict_simple_shear(file, table, output, options);
+  if (file.band) return predict_band(file, table, output, certificate, options);
+  if (file.split_bottom) return predict_split_bottom(file, table, output, certificate, options);
+  return predict_simple_shear(file, table, output, certificate, options);
 }
 
 }  // namespace grainlaw

@@ -14,6 +14,7 @@ namespace grainlaw {
 ExitCode predict_flow(const io::CaseFile& file,
                       const continuum::RheologyTable& table,
                       const std::string& output,
+                      bool certificate,
                       const CommonOptions& options);
 
 }  // namespace grainlaw

@@ -3,6 +3,7 @@
 #include <numbers>
 
 #include "apps/io/flow_input.h"
+#include "apps/io/sweep_input.h"
 
 namespace grainlaw::io {
 namespace {
@@ -144,6 +145,7 @@ void read_chute_case(InputFile& in, CaseFile& file) {
   read_chute(chute, file.units, file);
   read_walls(in, file.units, file.chute);
   read_transient(in, file.units, file);
+  read_sweep(in, file);
 }
 
 /// A flow without [chute]; only its steady state can be asked.
@@ -183,6 +185,13 @@ CaseFile read_case(const std::filesystem::path& path) {
 
 CaseFile parse_case(const std::string& text, const std::filesystem::path& path) {
   return read(InputFile::from_text(text, path));
+}
+
+std::string case_message(const CaseFile& file,
+                         std::string_view section,
+                         std::string_view key,
+                         std::string_view text) {
+  return InputFile::from_text(file.text, file.path).message(section, key, text);
 }
 
 std::string case_keys() {

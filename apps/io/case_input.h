@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "apps/io/units.h"
@@ -23,6 +24,15 @@ struct SimpleShearCase {
   std::vector<double> bond_numbers{0.0};
 };
 
+/// One thing that a sweep varies, over its values in internal units; coefficients in those of the
+/// table.
+struct SweepAxis {
+  enum class Kind { inclination, mass_per_area, depth, stiffness, adhesion, coefficient };
+  Kind kind = Kind::inclination;
+  std::string name;  ///< of the key, or of the coefficient
+  std::vector<double> values;
+};
+
 /// A flow to predict, in internal units (m = d = g = 1), and the units of its file.
 struct CaseFile {
   std::string name;
@@ -33,6 +43,8 @@ struct CaseFile {
   Question question = Question::flow;
   continuum::TransientOptions transient;
   std::optional<double> depth;  ///< height of the free surface above the base plane [d]
+  /// Axes of a sweep, every combination of which is asked; absent: one flow.
+  std::optional<std::vector<SweepAxis>> sweep;
   Units units;
   std::string text;
   std::filesystem::path path;
@@ -43,6 +55,12 @@ struct CaseFile {
 /// Throws InputError.
 CaseFile read_case(const std::filesystem::path& path);
 CaseFile parse_case(const std::string& text, const std::filesystem::path& path);
+
+/// Message for a problem with a key of a case that is found after reading.
+std::string case_message(const CaseFile& file,
+                         std::string_view section,
+                         std::string_view key,
+                         std::string_view text);
 
 /// The keys of a case file as Markdown.
 std::string case_keys();

@@ -31,6 +31,7 @@ Html contents() {
       {"predictions", "Steady profiles"},
       {"start", "Start-up"},
       {"bagnold", "Bagnold law"},
+      {"certificate", "Well-posedness"},
       {"time", "Error against run time"},
       {"cost", "Run time"},
       {"health", "Health"},
@@ -89,8 +90,9 @@ std::string page(const Report& report, const Figures& figures, const Pictures& p
                     law_section(report, figures.law, pictures) +
                     prediction_section(report, figures.profiles, pictures) +
                     start_section(report, figures.starts, pictures) + bagnold_section(report) +
-                    time_section(report, figures.time, pictures) + cost_section(report) +
-                    health_section(report) + answer_section(report) + reading_section();
+                    certificate_section(report) + time_section(report, figures.time, pictures) +
+                    cost_section(report) + health_section(report) + answer_section(report) +
+                    reading_section();
   return "<!DOCTYPE html>\n<html lang=\"en\">\n" + head(report).markup + "<body>\n" + body.markup +
          "</body>\n</html>\n";
 }

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/report/law_curve.h"
+#include "continuum/well_posedness.h"
 
 namespace grainlaw::report {
 namespace {
@@ -28,6 +29,7 @@ json to_json(const dem::LocalRow&);
 json to_json(const dem::ChuteConditions&);
 json to_json(const dem::SteadyWindow&);
 json to_json(const dem::RunSummary&);
+json to_json(const continuum::CertifiedConfinement&);
 json to_json(const RunComparison&);
 json to_json(const TimeErrorPoint&);
 json to_json(const StageCost&);
@@ -236,6 +238,13 @@ json to_json(const RunComparison& run) {
           {"predicted", to_json(run.steady.profile)}};
 }
 
+/// Ends of the search, 0 and infinity, are 0 and null.
+json to_json(const continuum::CertifiedConfinement& at) {
+  return {{"softness", at.softness},
+          {"bond_number", at.bond_number},
+          {"well_posed_inertial_numbers", to_json(at.intervals)}};
+}
+
 json to_json(const TimeErrorPoint& point) {
   return {{"averaging_time", point.averaging_time},
           {"dem_wall_seconds", point.dem_wall_seconds},
@@ -300,6 +309,7 @@ std::string report_json(const Report& report) {
                          {"machine", report.machine},
                          {"warnings", report.warnings},
                          {"table", to_json(report.table)},
+                         {"certificate", to_json(continuum::well_posedness_map(report.table))},
                          {"fit", to_json(report.fit)},
                          {"runs", to_json(report.runs)},
                          {"error_against_time", to_json(report.error_against_time)},

@@ -38,6 +38,7 @@ Html start_section(const Report& report,
                    const std::vector<FigureGroup>& groups,
                    const Pictures& pictures);
 Html bagnold_section(const Report& report);
+Html certificate_section(const Report& report);
 Html time_section(const Report& report, const FigureGroup& group, const Pictures& pictures);
 Html cost_section(const Report& report);
 Html health_section(const Report& report);

@@ -1,0 +1,92 @@
+#include <cmath>
+
+#include "apps/report/numbers.h"
+#include "apps/report/sections.h"
+#include "continuum/well_posedness.h"
+
+namespace grainlaw::report {
+namespace {
+
+std::string interval_text(const continuum::Range& range) {
+  if (range.lower == 0.0 && std::isinf(range.upper)) return "all";
+  if (range.lower == 0.0) return "up to " + significant(range.upper);
+  if (std::isinf(range.upper)) return "from " + significant(range.lower);
+  return interval(range.lower, range.upper);
+}
+
+Html intervals_cell(const std::vector<continuum::Range>& intervals) {
+  std::string words;
+  for (const continuum::Range& range : intervals)
+    words += (words.empty() ? "" : ", ") + interval_text(range);
+  return text(words.empty() ? "nowhere" : words);
+}
+
+Table interval_table(const Report& report) {
+  Table result{.caption = "Where the law is well-posed in two and three dimensions."_html,
+               .head = {"<i>p</i>*"_html, "Bo"_html, "<i>I</i>"_html},
+               .rows = {},
+               .text_columns = 0};
+  for (const auto& at : continuum::well_posedness_map(report.table)) {
+    result.rows.push_back({text(at.softness == 0.0 ? "0 (rigid)" : significant(at.softness)),
+                           text(significant(at.bond_number)),
+                           intervals_cell(at.intervals)});
+  }
+  return result;
+}
+
+std::vector<Html> state_row(const RunComparison& run, const continuum::CertifiedState& state) {
+  const auto& found = state.well_posedness;
+  const auto& probability = state.ill_posed_probability;
+  return {
+      run_label(run),
+      text(significant(state.at.inertial_number)),
+      text(significant(state.at.softness, 2)),
+      text(state.margin_error ? with_error({.value = found.margin, .error = *state.margin_error})
+                              : significant(found.margin)),
+      text(significant(found.direction)),
+      text(probability ? significant(*probability, 2) : "–"),
+      text(found.holds() ? "yes" : "no")};
+}
+
+/// A chute is one point of I over a range of p*, whose upper end is its base.
+Table state_table(const Report& report) {
+  Table result{.caption =
+                   "The margin <i>F</i> at each data point: at the base and at the "
+                   "uppermost row of each chute."_html,
+               .head = {"Run"_html,
+                        "<i>I</i>"_html,
+                        "<i>p</i>*"_html,
+                        "<i>F</i>"_html,
+                        "Worst direction <i>a</i>"_html,
+                        "P[<i>F</i> &lt; 0]"_html,
+                        "Well-posed"_html},
+               .rows = {},
+               .text_columns = 1};
+  for (const RunComparison& run : report.runs) {
+    if (!run.point) continue;
+    for (const double softness : {run.point->softness_upper, run.point->softness_lower}) {
+      const auto state =
+          continuum::certify(report.table, {run.point->inertial_number.value, softness, 0.0});
+      if (state) result.rows.push_back(state_row(run, *state));
+    }
+  }
+  return result;
+}
+
+}  // namespace
+
+Html certificate_section(const Report& report) {
+  Html content = paragraph(
+      "Short waves in plane shear grow without bound where <i>F</i> &lt; 0, the least over "
+      "directions <i>a</i> of <i>q</i> − <i>ra</i> + (1 − <i>q</i>)<i>a</i>² with <i>q</i> = "
+      "d ln <i>τ</i>/d ln <i>γ̇</i> and <i>r</i> = d<i>τ</i>/d<i>p</i>; for <i>μ</i>(<i>I</i>) "
+      "this is the condition of Barker et al. 2015. A two- or three-dimensional code must not use "
+      "the law there. The one-dimensional predictions of this report need only <i>q</i> &gt; 0."_html);
+  content += table(interval_table(report));
+  const bool of_inertial_number = std::holds_alternative<continuum::MuPhi>(report.table.law);
+  const Table states = state_table(report);
+  if (of_inertial_number && !states.rows.empty()) content += table(states);
+  return section("certificate", "Well-posedness"_html, content);
+}
+
+}  // namespace grainlaw::report
