@@ -5,33 +5,6 @@ namespace {
 
 constexpr double spin_inertia = 0.4;  // I / (m R^2) of a solid sphere
 
-void add_dyad(std::array<double, 6>& sum, const Vec3& a, const Vec3& b, double factor) {
-  sum[0] += factor * a.x * b.x;
-  sum[1] += factor * a.y * b.y;
-  sum[2] += factor * a.z * b.z;
-  sum[3] += factor * a.x * b.y;
-  sum[4] += factor * a.x * b.z;
-  sum[5] += factor * a.y * b.z;
-}
-
-void add_tensor(std::array<double, 9>& sum, const Vec3& a, const Vec3& b, double factor) {
-  sum[0] += factor * a.x * b.x;
-  sum[1] += factor * a.y * b.y;
-  sum[2] += factor * a.z * b.z;
-  sum[3] += factor * a.x * b.y;
-  sum[4] += factor * a.x * b.z;
-  sum[5] += factor * a.y * b.z;
-  sum[6] += factor * a.y * b.x;
-  sum[7] += factor * a.z * b.x;
-  sum[8] += factor * a.z * b.y;
-}
-
-void add_vector(std::array<double, 3>& sum, const Vec3& a, double factor) {
-  sum[0] += factor * a.x;
-  sum[1] += factor * a.y;
-  sum[2] += factor * a.z;
-}
-
 Vec3 mean_velocity(const Particles& particles, const Dynamics& dynamics) {
   double mass = 0.0;
   Vec3 momentum;
@@ -45,14 +18,17 @@ Vec3 mean_velocity(const Particles& particles, const Dynamics& dynamics) {
 
 /// The vector in the axes of the profile at a place.
 Vec3 seen(const Bins& bins, const Vec3& place, const Vec3& v) {
-  if (bins.axis != ProfileAxis::radius) return v;
+  return bins.axis == ProfileAxis::radius ? cylindrical(place, v) : v;
+}
+
+}  // namespace
+
+Vec3 cylindrical(const Vec3& place, const Vec3& v) {
   const double r = std::hypot(place.x, place.y);
   const Vec3 radial{place.x / r, place.y / r, 0.0};
   const Vec3 azimuthal{-radial.y, radial.x, 0.0};
   return {dot(v, azimuthal), v.z, dot(v, radial)};
 }
-
-}  // namespace
 
 double Bins::coordinate(const Vec3& position) const {
   if (axis == ProfileAxis::z) return position.z;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <vector>
@@ -47,6 +48,9 @@ struct Bins {
   double coordinate(const Vec3& position) const;
 };
 
+/// Azimuthal, axial and radial component of a vector at a place.
+Vec3 cylindrical(const Vec3& place, const Vec3& v);
+
 /// Adds samples of all moments up to the average over one frame. Grains are point masses at their
 /// centres; a contact acts along its branch, each bin getting the share of the branch it holds
 /// (Goldhirsch 2010). The branch of a contact with a frozen grain or a wall ends at the contact
@@ -91,6 +95,36 @@ void share_stretch(const Bins& bins, double s1, double s2, Add&& add) {
     const double end = std::min(high, static_cast<double>(k) + 1.0);
     add(static_cast<std::size_t>(bin), high == low ? 1.0 : (end - begin) / (high - low));
   }
+}
+
+/// sum += factor * a: x y z.
+inline void add_vector(std::array<double, 3>& sum, const Vec3& a, double factor) {
+  sum[0] += factor * a.x;
+  sum[1] += factor * a.y;
+  sum[2] += factor * a.z;
+}
+
+/// sum += factor * a b, symmetric: xx yy zz xy xz yz.
+inline void add_dyad(std::array<double, 6>& sum, const Vec3& a, const Vec3& b, double factor) {
+  sum[0] += factor * a.x * b.x;
+  sum[1] += factor * a.y * b.y;
+  sum[2] += factor * a.z * b.z;
+  sum[3] += factor * a.x * b.y;
+  sum[4] += factor * a.x * b.z;
+  sum[5] += factor * a.y * b.z;
+}
+
+/// sum += factor * a b: xx yy zz xy xz yz yx zx zy.
+inline void add_tensor(std::array<double, 9>& sum, const Vec3& a, const Vec3& b, double factor) {
+  sum[0] += factor * a.x * b.x;
+  sum[1] += factor * a.y * b.y;
+  sum[2] += factor * a.z * b.z;
+  sum[3] += factor * a.x * b.y;
+  sum[4] += factor * a.x * b.z;
+  sum[5] += factor * a.y * b.z;
+  sum[6] += factor * a.y * b.x;
+  sum[7] += factor * a.z * b.x;
+  sum[8] += factor * a.z * b.y;
 }
 
 }  // namespace grainlaw::dem

@@ -53,6 +53,7 @@ FlowRecord::FlowRecord(const Scene& scene, const Box& box)
   const Bins bins = profile_bins(scene, box);
   steps_per_sample_ = std::max(1L, std::lround(m.sample_interval / time_step(scene)));
   samples_per_frame_ = std::max(1L, std::lround(m.frame_interval / m.sample_interval));
+  if (const auto ring = ring_bins(scene)) ring_.emplace(Ring{RingSampler(*ring)});
   data_.name = scene.name;
   data_.conditions = conditions(scene);
   data_.frames = {.z_begin = bins.begin,
@@ -70,6 +71,7 @@ void FlowRecord::sample(const SimulationBase& simulation,
   const Particles& particles = simulation.particles();
   sampler_.sample(
       profile_bins(scene_, simulation.box()), particles, simulation.setup().dynamics, contacts);
+  if (ring_) ring_->sampler.sample(particles, simulation.setup().dynamics, contacts);
   constexpr double deep = 0.1;  // [smaller radius]
   for (const ContactSample& contact : contacts) {
     const double a = particles.state[contact.first].radius;
@@ -85,6 +87,7 @@ void FlowRecord::close_frame(double begin, const SimulationBase& simulation) {
   frame.begin = begin;
   frame.end = simulation.time();
   data_.frames.frames.push_back(std::move(frame));
+  if (ring_) ring_->frames.push_back(ring_->sampler.finish());
   width_sum_ += profile_bins(scene_, simulation.box()).width;
   wall_at_frame_.push_back(wall_before_ + clock_.seconds());
 }
@@ -104,6 +107,13 @@ LocalData FlowRecord::finish(const SimulationBase& simulation,
   data_.window = steady_window(assessment_, frames);
   data_.rows = average(data_.frames, data_.conditions, data_.window);
   data_.fields = fields_at_widths(data_.frames, data_.conditions, data_.window);
+  if (ring_) {
+    const auto inside = frames_inside(data_.frames, data_.window);
+    const std::span<const RingFrame> all = ring_->frames;
+    const auto first = static_cast<std::size_t>(inside.data() - frames.data());
+    const auto own = inside.empty() ? all.first(0) : all.subspan(first, inside.size());
+    data_.ring = ring_fields(ring_->sampler.grid(), own, data_.conditions);
+  }
   RunSummary& summary = data_.summary;
   const Particles& particles = simulation.particles();
   summary.steps = simulation.steps();
@@ -136,6 +146,10 @@ void FlowRecord::save(Checkpoint& to) const {
     append(frames, frame.sliding);
   }
   to.numbers["record/frames"] = std::move(frames);
+  if (ring_) {
+    std::vector<double>& cells = to.numbers["record/ring"];
+    for (const RingFrame& frame : ring_->frames) append(cells, frame.cells);
+  }
   to.numbers["record/sums"] = {width_sum_};
   to.integers["record/contacts"] = {deep_contacts_, sampled_contacts_};
   to.numbers["run/wall_seconds"] = {wall_before_ + clock_.seconds(),
@@ -159,6 +173,7 @@ void FlowRecord::restore(const Checkpoint& from) {
                                    .bins = taken<BinMoments>(moments, bins),
                                    .sliding = taken<SlidingMoments>(moments, sliding)});
   }
+  if (ring_) restore_ring(from);
   width_sum_ = entry(from.numbers, "record/sums", 1)[0];
   const auto& contacts = entry(from.integers, "record/contacts", 2);
   deep_contacts_ = contacts[0];
@@ -167,6 +182,17 @@ void FlowRecord::restore(const Checkpoint& from) {
   wall_before_ = wall[0];
   data_.summary.stepping_seconds = wall[1];
   wall_at_frame_ = entry(from.numbers, "run/wall_at_frame");
+}
+
+/// Ring frames are those of the profiles: as many, of as many samples.
+void FlowRecord::restore_ring(const Checkpoint& from) {
+  constexpr std::size_t numbers_per_cell = sizeof(CellMoments) / sizeof(double);
+  const std::size_t cells = ring_->sampler.grid().size();
+  const std::size_t frames = data_.frames.frames.size();
+  const double* at = entry(from.numbers, "record/ring", frames * cells * numbers_per_cell).data();
+  for (const ProfileFrame& frame : data_.frames.frames) {
+    ring_->frames.push_back({.samples = frame.samples, .cells = taken<CellMoments>(at, cells)});
+  }
 }
 
 }  // namespace grainlaw::dem

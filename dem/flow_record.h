@@ -1,11 +1,13 @@
 #pragma once
 
 #include <chrono>
+#include <optional>
 #include <vector>
 
 #include "dem/checkpoint.h"
 #include "dem/coarse_graining.h"
 #include "dem/local_data.h"
+#include "dem/ring_sampler.h"
 #include "dem/scene.h"
 #include "dem/simulation.h"
 #include "dem/steady_state.h"
@@ -50,9 +52,17 @@ class FlowRecord {
   RunSummary& summary() { return data_.summary; }
 
  private:
+  /// Fields over radius and height.
+  struct Ring {
+    RingSampler sampler;
+    std::vector<RingFrame> frames{};
+  };
+  void restore_ring(const Checkpoint& from);
+
   const Scene& scene_;
   Stopwatch clock_;
   FrameSampler sampler_;
+  std::optional<Ring> ring_;
   SteadyCriteria criteria_;
   Assessment assessment_{.reason = "short: stopped before the flow started"};
   LocalData data_;

@@ -181,21 +181,26 @@ Bins bins_of(const BodyForceBox& force, const Scene& scene, const Box& box) {
           .count = static_cast<std::size_t>(count)};
 }
 
-/// Cylindrical shells over the whole filling.
-Bins bins_of(const SplitBottom& cell, const Scene& scene, const Box&) {
-  const double width = scene.measurement.bin_width;
+/// Of the filling at rest [length].
+double height(const SplitBottom& cell, const Scene& scene) {
   const double annulus =
       0.5 * cell.wedge *
       (cell.outer_radius * cell.outer_radius - cell.inner_radius * cell.inner_radius);
-  const double height = grains(scene) * scene.grains.mean_mass() /
-                        (nominal_packing * scene.grains.density() * annulus);
-  const double rows = std::floor((cell.outer_radius - cell.inner_radius) / width);
+  return grains(scene) * scene.grains.mean_mass() /
+         (nominal_packing * scene.grains.density() * annulus);
+}
+
+/// Cylindrical shells over the whole filling, the last as far as the outer wall or beyond.
+Bins bins_of(const SplitBottom& cell, const Scene& scene, const Box&) {
+  const double width = scene.measurement.bin_width;
+  const double rounding = 1e-9;
+  const double rows = std::ceil((cell.outer_radius - cell.inner_radius) / width - rounding);
   const std::size_t fine = bins_per_row(scene.measurement);
   return {.axis = ProfileAxis::radius,
           .begin = cell.inner_radius,
           .width = width / static_cast<double>(fine),
-          .area = cell.wedge * height,
-          .count = fine * static_cast<std::size_t>(std::max(1.0, rows))};
+          .area = cell.wedge * height(cell, scene),
+          .count = fine * static_cast<std::size_t>(rows)};
 }
 
 }  // namespace
@@ -236,6 +241,20 @@ std::size_t bins_per_row(const Measurement& measurement) {
 
 Bins profile_bins(const Scene& scene, const Box& box) {
   return std::visit([&](const auto& g) { return bins_of(g, scene, box); }, scene.geometry);
+}
+
+std::optional<RingBins> ring_bins(const Scene& scene) {
+  const auto* cell = std::get_if<SplitBottom>(&scene.geometry);
+  if (!cell) return std::nullopt;
+  const double d = scene.grains.diameter;
+  // Grains get no deeper than the floor or the lowest glued one; a flowing surface may bulge.
+  const double below = (cell->base_thickness + 1.0) * d;
+  const double above = 1.2 * height(*cell, scene) + 4.0 * d;
+  return RingBins{.radial = bins_of(*cell, scene, {}),
+                  .axial = layer_bins(scene, below, above, 1.0),
+                  .wedge = cell->wedge,
+                  .bins_per_row = bins_per_row(scene.measurement),
+                  .kernel = scene.measurement.kernel};
 }
 
 SteadyCriteria steady_criteria(const Scene& scene) {

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <optional>
+
 #include "dem/coarse_graining.h"
+#include "dem/ring_sampler.h"
 #include "dem/scene.h"
 #include "dem/simulation.h"
 #include "dem/steady_state.h"
@@ -22,6 +25,9 @@ std::size_t bins_per_row(const Measurement& measurement);
 
 /// How profiles are taken, for the box as it is now.
 Bins profile_bins(const Scene& scene, const Box& box);
+
+/// Of a ring cell, the same over height too.
+std::optional<RingBins> ring_bins(const Scene& scene);
 
 /// When a chute counts as arrested or as running away. A dense layer of depth h that obeys
 /// Bagnold's profile has the mean velocity 2/5 I sqrt(phi g cos(theta)) h^1.5 / d; beyond I = 1

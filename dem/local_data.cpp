@@ -14,16 +14,6 @@ constexpr std::size_t field_numbers = sizeof(FieldRow) / sizeof(double);
 using FieldNumbers = std::array<double, field_numbers>;
 using FieldRows = std::vector<FieldRow>;
 
-std::span<const ProfileFrame> frames_inside(const ProfileFrames& frames,
-                                            const SteadyWindow& window) {
-  const double rounding = 1e-9 * std::max(1.0, std::abs(window.end));
-  const auto begins = [&](const ProfileFrame& f) { return f.begin >= window.begin - rounding; };
-  const auto ends = [&](const ProfileFrame& f) { return f.end > window.end + rounding; };
-  const auto first = std::find_if(frames.frames.begin(), frames.frames.end(), begins);
-  const auto last = std::find_if(first, frames.frames.end(), ends);
-  return {first, last};
-}
-
 /// The mean moved a little towards one frame.
 FrameMoments moved(const FrameMoments& mean, const ProfileFrame& frame, double epsilon) {
   FrameMoments result = mean;
@@ -150,6 +140,16 @@ WidthFields fields_at(std::span<const ProfileFrame> frames,
 }
 
 }  // namespace
+
+std::span<const ProfileFrame> frames_inside(const ProfileFrames& frames,
+                                            const SteadyWindow& window) {
+  const double rounding = 1e-9 * std::max(1.0, std::abs(window.end));
+  const auto begins = [&](const ProfileFrame& f) { return f.begin >= window.begin - rounding; };
+  const auto ends = [&](const ProfileFrame& f) { return f.end > window.end + rounding; };
+  const auto first = std::find_if(frames.frames.begin(), frames.frames.end(), begins);
+  const auto last = std::find_if(first, frames.frames.end(), ends);
+  return {first, last};
+}
 
 Convergence worst_convergence(const std::vector<LocalRow>& rows, Estimate LocalRow::*field) {
   Convergence worst = rows.empty() ? Convergence::not_converged : Convergence::converged;

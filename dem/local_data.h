@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,7 @@
 #include "dem/fields.h"
 #include "dem/lifetime_statistics.h"
 #include "dem/profile_frames.h"
+#include "dem/ring_grid.h"
 
 namespace grainlaw::dem {
 
@@ -98,7 +100,12 @@ struct LocalData {
   std::vector<WidthFields> fields{};  ///< at w/2, w, 2 w: how much they depend on it
   RunSummary summary;
   std::optional<LifetimeStatistics> lifetimes{};  ///< of contacts, where the scene asks for them
+  std::optional<RingFields> ring{};               ///< over radius and height, of a ring cell
 };
+
+/// The frames that a window holds whole.
+std::span<const ProfileFrame> frames_inside(const ProfileFrames& frames,
+                                            const SteadyWindow& window);
 
 /// Averages the frames inside the window into rows (field definitions in FieldRow), those in which
 /// grains are found.
