@@ -16,6 +16,7 @@
 #include "apps/io/hdf5_file.h"
 #include "apps/io/lifetimes_hdf5.h"
 #include "apps/io/profile_hdf5.h"
+#include "apps/io/ring_hdf5.h"
 #include "apps/io/safe_write.h"
 #include "apps/io/sealed_file.h"
 
@@ -193,6 +194,7 @@ void write_data(Hdf5Writer& out, const LocalData& data) {
   out.attribute("summary", "steps", std::int64_t{data.summary.steps});
   out.attribute("summary", "flowing_grains", std::int64_t{data.summary.flowing_grains});
   out.attribute("summary", "base_grains", std::int64_t{data.summary.base_grains});
+  if (data.ring) write_ring(out, *data.ring);
   if (data.lifetimes) write_lifetimes(out, *data.lifetimes);
 }
 
@@ -211,6 +213,7 @@ void read_data(const Hdf5Reader& in, LocalData& data) {
   data.summary.steps = static_cast<long>(in.integer("summary", "steps"));
   data.summary.flowing_grains = static_cast<int>(in.integer("summary", "flowing_grains"));
   data.summary.base_grains = static_cast<int>(in.integer("summary", "base_grains"));
+  if (has_ring(in)) data.ring = read_ring(in);
   if (has_lifetimes(in)) data.lifetimes = read_lifetimes(in);
 }
 

@@ -153,14 +153,6 @@ std::size_t read_bins_per_row(const Hdf5Reader& in) {
   return static_cast<std::size_t>(bins);
 }
 
-KernelShape read_shape(const Hdf5Reader& in) {
-  const std::string word = in.text("frames", "kernel");
-  for (const KernelShape shape : {KernelShape::lucy, KernelShape::gaussian}) {
-    if (word == dem::name(shape)) return shape;
-  }
-  throw ReadError("unknown kernel '" + word + "'");
-}
-
 using FieldRows = std::vector<FieldRow> WidthFields::*;
 
 /// One field, or its errors, at all widths in rows z_begin[width] + (k + 1/2) row_width: [width]
@@ -224,6 +216,14 @@ void for_fields(bool friction, Visit&& visit) {
 
 }  // namespace
 
+KernelShape read_kernel_shape(const Hdf5Reader& in, const std::string& group) {
+  const std::string word = in.text(group, "kernel");
+  for (const KernelShape shape : {KernelShape::lucy, KernelShape::gaussian}) {
+    if (word == dem::name(shape)) return shape;
+  }
+  throw ReadError("unknown kernel '" + word + "'");
+}
+
 bool slides(const ProfileFrames& frames) {
   const auto counted = [](const ProfileFrame& frame) { return !frame.sliding.empty(); };
   return std::ranges::any_of(frames.frames, counted);
@@ -262,7 +262,7 @@ ProfileFrames read_frames(const Hdf5Reader& in) {
   frames.bin_width = in.number("frames", "bin_width");
   frames.bins_per_row = read_bins_per_row(in);
   frames.periodic = in.integer("frames", "periodic") != 0;
-  frames.kernel = {read_shape(in), in.number("frames", "kernel_width")};
+  frames.kernel = {read_kernel_shape(in, "frames"), in.number("frames", "kernel_width")};
   std::vector<ProfileFrame>& list = frames.frames;
   list.resize(length_of(in, "frames/begin"));
   for (const auto& field : frame_fields) {

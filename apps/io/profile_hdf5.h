@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 #include "apps/io/hdf5_file.h"
 #include "dem/local_data.h"
 
@@ -7,6 +9,9 @@ namespace grainlaw::io {
 
 /// Did the grains of a run have friction? Without it nothing about sliding is in the file.
 bool slides(const dem::ProfileFrames& frames);
+
+/// The attribute `kernel` of a group.
+dem::KernelShape read_kernel_shape(const Hdf5Reader& in, const std::string& group);
 
 /// Group /frames: the moments of every bin over time.
 void write_frames(Hdf5Writer& out, const dem::ProfileFrames& frames);
