@@ -97,6 +97,15 @@ dem::LocalData any_data(std::size_t rows, std::size_t frames, std::uint64_t seed
       fields.errors.push_back(any_numbers<dem::FieldRow>(random));
     }
   }
+  data.ring = dem::RingFields{
+      .grid =
+          {.wedge = 0.5, .r_begin = 4.7, .z_begin = -3.0, .width = 1.0, .columns = 4, .rows = 3},
+      .values = {},
+      .errors = {}};
+  for (std::size_t k = 0; k < data.ring->grid.size(); ++k) {
+    data.ring->values.push_back(any_numbers<dem::RingField>(random));
+    data.ring->errors.push_back(any_numbers<dem::RingField>(random));
+  }
   data.summary.steps = 123456789012;
   data.summary.flowing_grains = 836;
   data.summary.wall_seconds = 12.5;
@@ -175,6 +184,31 @@ TEST(LocalDataHdf5, EveryBitComesBack) {
   EXPECT_EQ(again.summary.steps, 123456789012);
   EXPECT_EQ(again.summary.wall_seconds, 12.5);
   EXPECT_TRUE(same(again.summary.energy_residual, data.summary.energy_residual));
+}
+
+TEST(LocalDataHdf5, FieldsOfARingComeBackOverHeightAndRadius) {
+  const TemporaryDirectory directory;
+  const dem::LocalData data = any_data(2, 2, 3);
+  write_local_data(data, any_scene(), directory / "run.h5");
+  const dem::LocalData again = read_local_data(directory / "run.h5");
+  ASSERT_TRUE(again.ring);
+  EXPECT_EQ(again.ring->grid.columns, 4u);
+  EXPECT_EQ(again.ring->grid.rows, 3u);
+  EXPECT_EQ(again.ring->grid.r_begin, 4.7);
+  EXPECT_TRUE(same_bits(again.ring->values, data.ring->values));
+  EXPECT_TRUE(same_bits(again.ring->errors, data.ring->errors));
+}
+
+TEST(LocalDataHdf5, RingWithoutASteadyWindowHasItsGridOnly) {
+  const TemporaryDirectory directory;
+  dem::LocalData data = any_data(2, 2, 4);
+  data.ring->values.clear();
+  data.ring->errors.clear();
+  write_local_data(data, any_scene(), directory / "run.h5");
+  const dem::LocalData again = read_local_data(directory / "run.h5");
+  ASSERT_TRUE(again.ring);
+  EXPECT_TRUE(again.ring->values.empty());
+  EXPECT_EQ(again.ring->grid.rows, 3u);
 }
 
 TEST(LocalDataHdf5, NothingIsStoredAboveTheHighestGrainAndItComesBackEmpty) {
