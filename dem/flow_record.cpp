@@ -71,7 +71,10 @@ void FlowRecord::sample(const SimulationBase& simulation,
   const Particles& particles = simulation.particles();
   sampler_.sample(
       profile_bins(scene_, simulation.box()), particles, simulation.setup().dynamics, contacts);
-  if (ring_) ring_->sampler.sample(particles, simulation.setup().dynamics, contacts);
+  constexpr int stride = 5;
+  if (ring_ && ring_->passed++ % stride == 0) {
+    ring_->sampler.sample(particles, simulation.setup().dynamics, contacts);
+  }
   constexpr double deep = 0.1;  // [smaller radius]
   for (const ContactSample& contact : contacts) {
     const double a = particles.state[contact.first].radius;
@@ -87,7 +90,10 @@ void FlowRecord::close_frame(double begin, const SimulationBase& simulation) {
   frame.begin = begin;
   frame.end = simulation.time();
   data_.frames.frames.push_back(std::move(frame));
-  if (ring_) ring_->frames.push_back(ring_->sampler.finish());
+  if (ring_) {
+    ring_->frames.push_back(ring_->sampler.finish());
+    ring_->passed = 0;
+  }
   width_sum_ += profile_bins(scene_, simulation.box()).width;
   wall_at_frame_.push_back(wall_before_ + clock_.seconds());
 }
@@ -184,7 +190,7 @@ void FlowRecord::restore(const Checkpoint& from) {
   wall_at_frame_ = entry(from.numbers, "run/wall_at_frame");
 }
 
-/// Ring frames are those of the profiles: as many, of as many samples.
+/// Ring frames are those of the profiles: as many, and all have equally many samples.
 void FlowRecord::restore_ring(const Checkpoint& from) {
   constexpr std::size_t numbers_per_cell = sizeof(CellMoments) / sizeof(double);
   const std::size_t cells = ring_->sampler.grid().size();
