@@ -10,6 +10,9 @@ namespace grainlaw::continuum {
 namespace {
 
 constexpr long largest_number_of_steps = 1'000'000;
+/// A step too coarse for yield may leave stresses chattering about it, each jump the start of the
+/// next; none of the flows that settle takes as many steps. A tighter tolerance ends it.
+constexpr long steps_of_chatter = 20'000;
 constexpr double settling_times_allowed = 5.0;
 /// Elastic times after which what is left of a stop has died away: exp(-30) = 1e-13.
 constexpr double elastic_times_to_rest = 30.0;
@@ -181,6 +184,7 @@ Segment::Result Segment::integrate(OdeSolver& solver,
     if ((may_stop() || at_end) && settled(solver.time() - begin, solver))
       return {.end = End::steady};
     if (at_end) return {.end = End::time_limit};
+    if (steps % steps_of_chatter == steps_of_chatter - 1) solver.tighten(0.1);
     // what is left after so long is the noise of the solver, not the relaxation of the flow
     if (may_stop() && solver.time() >= next_tightening &&
         next_tightening < begin + settling_times_allowed * settling_time_) {

@@ -16,10 +16,15 @@ double critical_wave_speed(double mass, double elastic_time) {
   return 4.0 * mass / (std::numbers::pi * elastic_time);
 }
 
-/// Where b = 0, dq/dsigma is infinite at yield, which no Newton iteration stands. Up to this share
-/// of the stress at the base above yield, q(sigma) of a quadratic law is replaced by its secant. Of
-/// the steady velocity that takes at most a quarter of its 3/2 power, 2.5e-7.
+/// Where b = 0, or where stress rises with a power of I above 1, dq/dsigma is infinite at yield,
+/// which no Newton iteration stands. Up to this share of the driving stress above yield, q(sigma)
+/// of such a law is replaced by its secant. Of the steady velocity that takes at most a quarter of
+/// its 3/2 power, 2.5e-7 (b = 0; less for powers below 2).
 constexpr double secant_share = 1e-4;
+
+bool starts_vertically(const FlowCurve& curve) {
+  return curve.quadratic > 0.0 || curve.exponent > 1.0;
+}
 
 /// In sqrt(g d): below it walls hold grains by less than their full friction, so what rests at them
 /// creeps by about this.
@@ -38,17 +43,21 @@ YieldingLayer::YieldingLayer(DiscreteLayer discrete, double elastic_time)
     : TransientSystem(std::move(discrete)), elastic_time_(elastic_time) {
   const double speed = critical_wave_speed(this->discrete().layer().mass, elastic_time);
   wave_speed_squared_ = speed * speed;
-  const FlowCurve& base = curve(cells() - 1);
-  if (base.quadratic > 0.0) {
-    linear_below_ = secant_share * drive() * this->discrete().layer().mass;
-    linear_slope_ = *base.scaled_rate(base.yield_stress + linear_below_) / linear_below_;
+  for (std::size_t k = 0; k < cells(); ++k) {
+    Secant secant;
+    if (starts_vertically(curve(k))) {
+      secant.excess = secant_share * this->discrete().layer().driving_stress(grid().face[k]);
+      secant.slope =
+          curve(k).scaled_rate(curve(k).yield_stress + secant.excess).value_or(0.0) / secant.excess;
+    }
+    secants_.push_back(secant);
   }
 }
 
 double YieldingLayer::plastic_rate(double stress, std::size_t face) const {
   const double excess = std::abs(stress) - curve(face).yield_stress;
   if (excess <= 0.0) return 0.0;
-  if (excess < linear_below_) return std::copysign(excess * linear_slope_, stress);
+  if (excess < secants_[face].excess) return std::copysign(excess * secants_[face].slope, stress);
   const auto q = curve(face).scaled_rate(std::abs(stress));
   if (!q)
     throw StateError(
@@ -59,7 +68,7 @@ double YieldingLayer::plastic_rate(double stress, std::size_t face) const {
 double YieldingLayer::plastic_slope(double stress, std::size_t face) const {
   const double excess = std::abs(stress) - curve(face).yield_stress;
   if (excess <= 0.0) return 0.0;
-  if (excess < linear_below_) return linear_slope_;
+  if (excess < secants_[face].excess) return secants_[face].slope;
   return 1.0 / curve(face).viscous_slope(std::abs(plastic_rate(stress, face)));
 }
 

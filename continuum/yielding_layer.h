@@ -48,8 +48,12 @@ class YieldingLayer : public TransientSystem {
 
   double elastic_time_;
   double wave_speed_squared_;  // G K, in the mass coordinate
-  double linear_below_ = 0.0;
-  double linear_slope_ = 0.0;
+  /// Stands in for q(sigma) up to an excess over yield; 0: nowhere.
+  struct Secant {
+    double excess = 0.0;
+    double slope = 0.0;
+  };
+  std::vector<Secant> secants_;  // per face
 };
 
 }  // namespace grainlaw::continuum
