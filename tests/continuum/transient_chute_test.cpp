@@ -6,6 +6,7 @@
 
 #include "tests/continuum/exact_yield.h"
 #include "tests/continuum/example_laws.h"
+#include "tests/verification/verified.h"
 
 namespace grainlaw::continuum {
 namespace {
@@ -71,7 +72,8 @@ TEST(V7Arrest, StopsInTheFiniteTimeOfTheRigidMaterialAndRestsExactly) {
   const auto run = transient_chute(
       cohesive_bagnold, arresting(), {.inclination_before = 24 * degree, .output_times = times});
   ASSERT_EQ(run.answer.outcome, Outcome::arrested) << run.answer.text;
-  EXPECT_NEAR(run.answer.time.value(), 258.0, 0.3);
+  verify("V7", "time of arrest", 258.0, run.answer.time.value(), 0.3);
+  verify("V7", "u_s at rest", 0.0, run.final_profile.surface_velocity, 0.0);
   ASSERT_EQ(run.events.size(), 1u);
   EXPECT_EQ(run.events[0].kind, ChuteEvent::Kind::arrest);
   ASSERT_EQ(run.snapshots.size(), times.size());

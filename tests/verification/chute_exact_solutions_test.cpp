@@ -1,4 +1,5 @@
 // Steady chute against closed forms and against digits computed independently to 1e-10.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -6,6 +7,7 @@
 
 #include "continuum/bagnold_profile.h"
 #include "tests/continuum/example_laws.h"
+#include "tests/verification/verified.h"
 
 namespace grainlaw::continuum {
 namespace {
@@ -19,9 +21,11 @@ TEST(V1BagnoldFlow, FollowsTheThreeHalvesPowerOfDepth) {
     return 2.0 / 3.0 * I * std::sqrt(phi * cosine) *
            (std::pow(mass / phi, 1.5) - std::pow(depth, 1.5));
   };
+  Largest error;
   for (const auto& row : profile.rows)
-    EXPECT_NEAR(row.velocity, exact(row.mass_above), 1e-13 * exact(0.0));
-  EXPECT_NEAR(profile.height, mass / phi, 1e-13 * profile.height);
+    error.add((row.velocity - exact(row.mass_above)) / exact(0.0));
+  verify("V1", "error of the steady profile", 0.0, error.value(), 1e-13);
+  verify_relative("V1", "height at M = 29, phi = 0.58", mass / phi, profile.height, 1e-13);
 }
 
 struct BagnoldDigits {
@@ -38,11 +42,13 @@ TEST(V2GeneralisedBagnold, HasTheProfileOfBrewsterEquation9) {
         BagnoldDigits{1e-12, 0.8, 6, 88.9815483911, 57.6978298031}}) {
     const auto steady =
         steady_chute(table_of(bagnold_at_24_degrees(a, b, tau_c)), chute(24, 29), {.rows = 6});
-    EXPECT_NEAR(steady.profile.surface_velocity, surface, 1e-10 * surface);
-    EXPECT_NEAR(steady.profile.rows[1].velocity, at_40, 1e-10 * at_40);
+    const std::string law = fmt::format(", a = {:g}, b = {:g}, tau_c = {:g}", a, b, tau_c);
+    verify_relative("V2", "u_s" + law, surface, steady.profile.surface_velocity, 1e-10);
+    verify_relative("V2", "u at depth 40" + law, at_40, steady.profile.rows[1].velocity, 1e-10);
     EXPECT_EQ(steady.answer.outcome, tau_c > 0.0 ? Outcome::plug : Outcome::steady);
     if (tau_c > 0.0) {
-      EXPECT_NEAR(steady.profile.plug_mass / 0.58, 25.4337241611, 25.4 * 1e-10);
+      const double plug = steady.profile.plug_mass / 0.58;
+      verify_relative("V2", "plug depth" + law, 25.4337241611, plug, 1e-10);
     }
   }
 }
@@ -87,10 +93,12 @@ TEST(V3CohesiveLinearLaw, HasTheElementaryProfileOverAPlug) {
              beta;
     };
     const double surface = integral(mass / phi) - integral(edge);
+    Largest error;
     for (const auto& row : steady.profile.rows) {
       const double exact = integral(mass / phi) - integral(std::max(edge, row.mass_above / phi));
-      EXPECT_NEAR(row.velocity, exact, 1e-12 * surface) << "c0 " << c0;
+      error.add((row.velocity - exact) / surface);
     }
+    verify("V3", fmt::format("error of the profile, c0 = {:g}", c0), 0.0, error.value(), 1e-12);
     EXPECT_NEAR(steady.profile.plug_mass, phi * edge, 1e-12 * mass);
     EXPECT_EQ(steady.answer.outcome, c0 > 0.0 ? Outcome::plug : Outcome::steady);
   }
@@ -148,12 +156,14 @@ TEST(V8SideWalls, LetTheClosedFormDepthFlowAndHoldTheRest) {
              (2.0 / 3.0 * drive * std::pow(y, 1.5) - 0.4 * m * std::pow(y, 2.5));
     };
     const double surface = integral(depth);
+    Largest error;
     for (const auto& row : steady.profile.rows) {
       const double y = row.mass_above / phi;
-      EXPECT_NEAR(row.velocity, surface - integral(std::min(y, depth)), 1e-10 * surface);
+      error.add((row.velocity - surface + integral(std::min(y, depth))) / surface);
       EXPECT_EQ(row.shear_rate > 0.0, y > 0.0 && y <= depth * (1.0 + 1e-12));
       EXPECT_NEAR(row.shear_stress, row.pressure * (std::tan(theta) - m * y), 1e-10 * 12.0);
     }
+    verify("V8", fmt::format("error of the profile, W = {:g}", width), 0.0, error.value(), 1e-10);
     EXPECT_NEAR(steady.profile.height, 50.0, 1e-10 * 50.0);
     EXPECT_EQ(steady.answer.text.find("held by the walls") != std::string::npos, width == 60.0);
   }
@@ -232,14 +242,18 @@ TEST(V13Limits, OfVanishingParametersAreTheSimplerLaws) {
   cohesionless.cohesion_friction.reset();
   cohesionless.cohesion_volume_fraction.reset();
   const double plain = velocity(full, {});
-  EXPECT_NEAR(velocity(rigid, {.stiffness = 1e4}), plain, 1e-12 * plain);  // k_n -> infinity
-  EXPECT_NEAR(velocity(full, {.adhesion = 1e-15}), plain, 1e-12 * plain);  // f_a -> 0
+  const auto same = [](const char* limit, double found, double simpler) {
+    verify("V13", limit, 0.0, std::abs(found / simpler - 1.0), 1e-12);
+  };
+  same("difference of u_s, k_n -> infinity", velocity(rigid, {.stiffness = 1e4}), plain);
+  same("difference of u_s, f_a -> 0", velocity(full, {.adhesion = 1e-15}), plain);
   EXPECT_NEAR(velocity(cohesionless, {.adhesion = 1e-15}), plain, 1e-12 * plain);
   const double bagnold = velocity(bagnold_at_24_degrees(1.3, 0, 0), {});
-  EXPECT_NEAR(velocity(bagnold_at_24_degrees(1.3, 0, 1e-14), {}), bagnold, 1e-12 * bagnold);
-  EXPECT_NEAR(velocity(bagnold_at_24_degrees(1.3, 1e-14, 0), {}), bagnold, 1e-12 * bagnold);
+  same(
+      "difference of u_s, tau_c -> 0", velocity(bagnold_at_24_degrees(1.3, 0, 1e-14), {}), bagnold);
+  same("difference of u_s, b -> 0", velocity(bagnold_at_24_degrees(1.3, 1e-14, 0), {}), bagnold);
   const double linear = velocity(bagnold_at_24_degrees(0, 0.8, 0), {});
-  EXPECT_NEAR(velocity(bagnold_at_24_degrees(1e-16, 0.8, 0), {}), linear, 1e-12 * linear);
+  same("difference of u_s, a -> 0", velocity(bagnold_at_24_degrees(1e-16, 0.8, 0), {}), linear);
 }
 
 struct LawDigits {
@@ -261,11 +275,15 @@ TEST(V5FullLaw, HasTheDigitsOfAnIndependentQuadrature) {
                   .2630411702}}) {
     const auto profile =
         steady_chute(table_of(frictional_spheres()), chute(24, 52.2, grains)).profile;
-    EXPECT_NEAR(profile.surface_velocity, surface, 1e-9 * surface);
-    EXPECT_NEAR(profile.height, height, 1e-9 * height);
-    EXPECT_NEAR(profile.rows.front().inertial_number, I, 1e-9 * I);
+    const std::string of = fmt::format(
+        ", k_n = {}, f_a = {:g}",
+        grains.stiffness ? fmt::format("{}", *grains.stiffness) : std::string("infinite"),
+        grains.adhesion.value_or(0.0));
+    verify_relative("V5", "u_s" + of, surface, profile.surface_velocity, 1e-9);
+    verify_relative("V5", "H" + of, height, profile.height, 1e-9);
+    verify_relative("V5", "I at the base" + of, I, profile.rows.front().inertial_number, 1e-9);
     const double plug = grains.adhesion ? .1005999720 : 0.0;
-    EXPECT_NEAR(profile.plug_mass / 52.2, plug, 1e-9 * plug);
+    verify_relative("V5", "plug share" + of, plug, profile.plug_mass / 52.2, 1e-9);
   }
 }
 
@@ -273,9 +291,9 @@ TEST(V6FullLaw, HoldsForSlipperyGrains) {
   const auto profile =
       steady_chute(table_of(slippery_spheres()), chute(12, 52.2, {.stiffness = 381971.8634}))
           .profile;
-  EXPECT_NEAR(profile.surface_velocity, 11.8888814374, 1e-9 * 11.9);
-  EXPECT_NEAR(profile.height, 81.0213376336, 1e-9 * 81.0);
-  EXPECT_NEAR(profile.rows.front().inertial_number, .0315528653, 1e-9 * .0316);
+  verify_relative("V6", "u_s at 12 degrees", 11.8888814374, profile.surface_velocity, 1e-9);
+  verify_relative("V6", "H", 81.0213376336, profile.height, 1e-9);
+  verify_relative("V6", "I at the base", .0315528653, profile.rows[0].inertial_number, 2e-9);
 }
 
 void expect_converged(const RheologyTable& table, const ChuteCase& inclined, double tolerance) {

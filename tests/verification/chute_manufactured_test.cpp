@@ -1,5 +1,6 @@
 // Time-dependent flow of the full law: a manufactured solution, and the free surface rebuilt from
 // the continuity equation on a fixed grid in z.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -8,6 +9,7 @@
 #include "continuum/dual.h"
 #include "continuum/shear_layer.h"
 #include "tests/continuum/example_laws.h"
+#include "tests/verification/verified.h"
 
 namespace grainlaw::continuum {
 namespace {
@@ -93,7 +95,9 @@ TEST(V14ManufacturedSolution, IsSecondOrderInSpaceForTheFullLaw) {
           error,
           std::abs(u[k] - amplitude(10.0) * (std::pow(mass, 1.5) - std::pow(grid.centre[k], 1.5))));
     if (previous > 0.0) {
-      EXPECT_NEAR(std::log2(previous / error), 2.0, 0.1) << cells;
+      const double order = std::log2(previous / error);
+      verify(
+          "V14", fmt::format("order in space, {} to {} cells", cells / 2, cells), 2.0, order, 0.1);
     }
     previous = error;
   }
@@ -134,8 +138,13 @@ TEST(V14ManufacturedSolution, HasATimeErrorOfTheToleranceTimesTheSteps) {
       error.push_back(std::log(largest));
       EXPECT_LT(largest, t * static_cast<double>(run.steps));
     }
-    EXPECT_NEAR(slope(accumulated, error), 1.0, 0.1) << cells;
-    EXPECT_NEAR(slope(tolerance, error), 5.0 / 6.0, 0.1) << cells;
+    const std::string on = fmt::format(", {} cells", cells);
+    verify("V14",
+           "slope of error against tolerance times steps" + on,
+           1.0,
+           slope(accumulated, error),
+           0.1);
+    verify("V14", "slope of error against tolerance" + on, 5.0 / 6.0, slope(tolerance, error), 0.1);
   }
 }
 
@@ -181,7 +190,7 @@ TEST(V12FreeSurface, RisesAsTheContinuityEquationOnAFixedGridSays) {
   EXPECT_GT(last, 1.02 * first);  // it dilates
   // phi varies by some percent over the 0.5 % of the depth taken as uniform, and is interpolated
   // between 400 rows
-  EXPECT_NEAR((rebuilt_height(run) - first) / (last - first), 1.0, 0.01);
+  verify("V12", "rise rebuilt / rise", 1.0, (rebuilt_height(run) - first) / (last - first), 0.01);
 }
 
 }  // namespace

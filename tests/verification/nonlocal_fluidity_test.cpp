@@ -1,5 +1,6 @@
 // Nonlocal granular fluidity against closed forms, measured orders and the local law. Glass beads:
 // mu_s, mu_2, I0 and A of Henann & Kamrin 2013.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -7,6 +8,7 @@
 #include "continuum/shear_band.h"
 #include "continuum/shear_band_cells.h"
 #include "tests/continuum/example_laws.h"
+#include "tests/verification/verified.h"
 
 namespace grainlaw::continuum {
 namespace {
@@ -43,11 +45,17 @@ double error_of_creep(std::size_t intervals) {
 }
 
 TEST(V9CreepBetweenWalls, IsTheHyperbolicCosineAtSecondOrder) {
-  EXPECT_NEAR(cooperativity_length(A, glass_beads().friction, 0.30), 1.9220, 5e-5);
+  const double xi = cooperativity_length(A, glass_beads().friction, 0.30);
+  verify("V9", "cooperativity length at mu = 0.30", 1.9220, xi, 5e-5);
   const double expected[] = {6.6e-4, 1.7e-4, 4.2e-5, 1.0e-5};  // to the digits given
   for (std::size_t k = 0; k < 4; ++k)
-    EXPECT_NEAR(error_of_creep(50 << k), expected[k], 0.05 * expected[k]);
-  EXPECT_NEAR(std::log2(error_of_creep(200) / error_of_creep(400)), 2.0, 0.01);
+    verify_relative("V9",
+                    fmt::format("largest error of g, {} intervals", 50 << k),
+                    expected[k],
+                    error_of_creep(50 << k),
+                    0.05);
+  verify(
+      "V9", "order, 200 to 400", 2.0, std::log2(error_of_creep(200) / error_of_creep(400)), 0.01);
 }
 
 /// Does a layer of this depth at uniform mu flow on a rough base, g = 0, under a free surface?
@@ -68,7 +76,11 @@ TEST(V10StopDepth, IsAQuarterWaveOfTheFirstGrowingMode) {
   const double tilts[] = {21.5, 23.0, 25.0, 28.0};
   for (std::size_t k = 0; k < 4; ++k) {
     const double mu = std::tan(tilts[k] * degree);
-    EXPECT_NEAR(stop_depth(A, glass_beads().friction, mu), expected[k], 5e-5);
+    verify("V10",
+           fmt::format("stop depth at {:g} degrees, flow and rest 1e-4 to either side", tilts[k]),
+           expected[k],
+           stop_depth(A, glass_beads().friction, mu),
+           5e-5);
     EXPECT_TRUE(flows(expected[k] * (1.0 + 1e-4), mu)) << tilts[k];
     EXPECT_FALSE(flows(expected[k] * (1.0 - 1e-4), mu)) << tilts[k];
   }
@@ -85,11 +97,11 @@ ShearBandCase loaded_shear(double amplitude) {
 
 TEST(V11PlaneShearUnderGravity, HasTheWallVelocityOfAnIndependentSolution) {
   const auto local = shear_band(table_of(glass_beads()), loaded_shear(0.0));
-  EXPECT_NEAR(local.driving_velocity, 0.40079, 1e-4 * 0.40079);
-  EXPECT_NEAR(local.yielded_width, 2.97, 0.005);
+  verify_relative("V11", "u_wall, local law", 0.40079, local.driving_velocity, 1e-4);
+  verify("V11", "edge of the band, local law", 2.97, local.yielded_width, 0.005);
   EXPECT_TRUE(local.local_band_collapse);
   const auto nonlocal = shear_band(table_of(glass_beads()), loaded_shear(A));
-  EXPECT_NEAR(nonlocal.driving_velocity, 0.36624, 1e-4 * 0.36624);
+  verify_relative("V11", "u_wall, A = 0.48", 0.36624, nonlocal.driving_velocity, 1e-4);
   EXPECT_FALSE(nonlocal.local_band_collapse);
 }
 
@@ -119,7 +131,8 @@ TEST(V11PlaneShearUnderGravity, ConvergesAtSecondOrder) {
         .driving_velocity;
   };
   const double coarse = velocity(200), middle = velocity(400), fine = velocity(800);
-  EXPECT_NEAR(std::log2((coarse - middle) / (middle - fine)), 2.0, 0.1);
+  const double order = std::log2((coarse - middle) / (middle - fine));
+  verify("V11", "order in cells, 200 to 800", 2.0, order, 0.1);
 }
 
 TEST(V13WithoutNonlocality, FluidityIsThatOfTheLocalLaw) {
@@ -143,7 +156,11 @@ TEST(V13WithoutNonlocality, PlaneShearWithoutGravityDoesNotFeelA) {
   const double local = shear_band(table_of(frictional_spheres()), uniform).driving_velocity;
   uniform.nonlocal_amplitude = A;
   const double nonlocal = shear_band(table_of(frictional_spheres()), uniform).driving_velocity;
-  EXPECT_NEAR(nonlocal, local, 1e-12 * local);
+  verify("V13",
+         "difference of u_wall, uniform band of any A",
+         0.0,
+         std::abs(nonlocal / local - 1.0),
+         1e-12);
 }
 
 /// Near its edge the local g is linear in the distance x, gain g ~ x g against A^2 lap g: the edge
@@ -155,7 +172,8 @@ TEST(V13WithoutNonlocality, BandTendsToTheLocalOneWithTheFourThirdsPowerOfA) {
         shear_band(table_of(glass_beads()), loaded_shear(small), {.discretisation = 1e-6});
     return band.driving_velocity / local - 1.0;
   };
-  EXPECT_NEAR(std::log10(difference(1e-2) / difference(1e-3)), 4.0 / 3.0, 0.01);
+  const double power = std::log10(difference(1e-2) / difference(1e-3));
+  verify("V13", "power of A by which a band tends to the local one", 4.0 / 3.0, power, 0.01);
 }
 
 /// h = 0.02 d at the driving wall by default.

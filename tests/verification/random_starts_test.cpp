@@ -1,4 +1,4 @@
-// The time-dependent side of random_cases_test.cpp in full: two minutes.
+// The time-dependent side of random_cases_test.cpp in full: a quarter of a minute. Each start ends within 50 000 steps.
 #include <gtest/gtest.h>
 
 #include "tests/verification/random_chutes.h"
