@@ -148,8 +148,10 @@ void YieldingLayer::events(double, std::span<const double> y, std::span<double> 
     const double sigma = y[stress_of(k)];
     excess = std::max(excess, std::abs(sigma) - curve(k).yield_stress);
     if (std::isinf(limit)) continue;
-    const double q = std::abs(plastic_rate(sigma, k));
-    lost = std::max(lost, q / (1.0 + q / curve(k).I_phi) / limit - 1.0);
+    // a stress between two steps may exceed what any q carries, which it approaches as I does I_phi
+    const double q = curve(k).scaled_rate(std::abs(sigma)).value_or(INFINITY);
+    const double I = std::isinf(q) ? curve(k).I_phi : q / (1.0 + q / curve(k).I_phi);
+    lost = std::max(lost, I / limit - 1.0);
   }
   values[dense_event] = lost;
   values[yield_event] = excess - 1e-9 * drive() * discrete().layer().mass;
