@@ -16,16 +16,6 @@ double critical_wave_speed(double mass, double elastic_time) {
   return 4.0 * mass / (std::numbers::pi * elastic_time);
 }
 
-/// Where b = 0, or where stress rises with a power of I above 1, dq/dsigma is infinite at yield,
-/// which no Newton iteration stands. Up to this share of the driving stress above yield, q(sigma)
-/// of such a law is replaced by its secant. Of the steady velocity that takes at most a quarter of
-/// its 3/2 power, 2.5e-7 (b = 0; less for powers below 2).
-constexpr double secant_share = 1e-4;
-
-bool starts_vertically(const FlowCurve& curve) {
-  return curve.quadratic > 0.0 || curve.exponent > 1.0;
-}
-
 /// In sqrt(g d): below it walls hold grains by less than their full friction, so what rests at them
 /// creeps by about this.
 constexpr double sticking_speed = 1e-6;
@@ -43,33 +33,16 @@ YieldingLayer::YieldingLayer(DiscreteLayer discrete, double elastic_time)
     : TransientSystem(std::move(discrete)), elastic_time_(elastic_time) {
   const double speed = critical_wave_speed(this->discrete().layer().mass, elastic_time);
   wave_speed_squared_ = speed * speed;
-  for (std::size_t k = 0; k < cells(); ++k) {
-    Secant secant;
-    if (starts_vertically(curve(k))) {
-      secant.excess = secant_share * this->discrete().layer().driving_stress(grid().face[k]);
-      secant.slope =
-          curve(k).scaled_rate(curve(k).yield_stress + secant.excess).value_or(0.0) / secant.excess;
-    }
-    secants_.push_back(secant);
-  }
+  for (std::size_t k = 0; k < cells(); ++k)
+    yielding_.emplace_back(curve(k), this->discrete().layer().driving_stress(grid().face[k]));
 }
 
 double YieldingLayer::plastic_rate(double stress, std::size_t face) const {
-  const double excess = std::abs(stress) - curve(face).yield_stress;
-  if (excess <= 0.0) return 0.0;
-  if (excess < secants_[face].excess) return std::copysign(excess * secants_[face].slope, stress);
-  const auto q = curve(face).scaled_rate(std::abs(stress));
-  if (!q)
-    throw StateError(
-        fmt::format("the stress in {} exceeds what the law can carry", face_name(face)));
-  return std::copysign(*q, stress);
-}
-
-double YieldingLayer::plastic_slope(double stress, std::size_t face) const {
-  const double excess = std::abs(stress) - curve(face).yield_stress;
-  if (excess <= 0.0) return 0.0;
-  if (excess < secants_[face].excess) return secants_[face].slope;
-  return 1.0 / curve(face).viscous_slope(std::abs(plastic_rate(stress, face)));
+  try {
+    return yielding_[face].rate(stress);
+  } catch (const StateError& error) {
+    throw StateError(fmt::format("the stress in {} {}", face_name(face), error.what()));
+  }
 }
 
 double YieldingLayer::stress_rate(std::span<const double> y, std::size_t face) const {
@@ -118,7 +91,8 @@ void YieldingLayer::jacobian(double, std::span<const double> y, BandView matrix)
                                    ? wave_speed_squared_ / grid().distance[k]
                                    : wave_speed_squared_ / curve(k).mobility /
                                          discrete().base_velocity_slope(discrete().base_rate(y[u]));
-    const double by_stress = -wave_speed_squared_ * plastic_slope(y[sigma], k) / curve(k).mobility;
+    const double by_stress =
+        -wave_speed_squared_ * yielding_[k].slope(y[sigma]) / curve(k).mobility;
     /// d(stress rate below cell k) / d(unknown), once as the rate itself and, through the damping,
     /// in the balances of the cells above (-) and below (+) the face.
     const auto add = [&](std::size_t unknown, double slope, double direct) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "continuum/transient_system.h"
+#include "continuum/yielding_curve.h"
 
 namespace grainlaw::continuum {
 
@@ -44,16 +45,10 @@ class YieldingLayer : public TransientSystem {
   double wall_deceleration(std::span<const double> y, std::size_t cell) const;
   double wall_slope(std::span<const double> y, std::size_t cell) const;
   double plastic_rate(double stress, std::size_t face) const;
-  double plastic_slope(double stress, std::size_t face) const;
 
   double elastic_time_;
-  double wave_speed_squared_;  // G K, in the mass coordinate
-  /// Stands in for q(sigma) up to an excess over yield; 0: nowhere.
-  struct Secant {
-    double excess = 0.0;
-    double slope = 0.0;
-  };
-  std::vector<Secant> secants_;  // per face
+  double wave_speed_squared_;            // G K, in the mass coordinate
+  std::vector<YieldingCurve> yielding_;  // at the lower face of every cell
 };
 
 }  // namespace grainlaw::continuum

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -74,6 +75,15 @@ TEST_F(PredictFlow, ThinLocalBandIsFlaggedAndStillAnAnswer) {
       predict(write(band + "[nonlocal]\namplitude = 0.48\n"), "shi2020_mu_p_0.50.toml --json");
   ASSERT_EQ(nonlocal.code, 0) << nonlocal.text;
   EXPECT_FALSE(nlohmann::json::parse(nonlocal.text)["local_band_collapse"].get<bool>());
+}
+
+TEST_F(PredictFlow, LocalBandIsFollowedFromRestToTheSteadyOne) {
+  const auto json = nlohmann::json::parse(
+      predict_shipped("body_force_box", "shi2020_mu_p_0.50.toml --json").text);
+  EXPECT_EQ(json["start_outcome"], "STEADY");
+  EXPECT_GT(json["time_to_steady"].get<double>(), 0.0);
+  // the edge of a band lies in one of 100 cells, the band spans a third of them: (1/33)^2
+  EXPECT_LT(std::abs(json["difference_from_quadrature"].get<double>()), 1e-3);
 }
 
 TEST_F(PredictFlow, NoFlowIsCode2WithItsReason) {
