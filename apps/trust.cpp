@@ -2,30 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-
 #include "apps/io/input_key.h"
+#include "apps/io/profile_csv.h"
 
 namespace grainlaw {
 namespace {
-
-std::string flag_text(const continuum::RangeFlag& flag) {
-  if (std::isinf(flag.upper)) {
-    return fmt::format("{} is {:.3g}, a continuum law needs at least about {:.3g}",
-                       flag.quantity,
-                       flag.reached_lowest,
-                       flag.lower);
-  }
-  return fmt::format(
-      "{} reaches {:.3g} to {:.3g}, data {:.3g} to {:.3g} ({:.0f} % of the flowing "
-      "mass outside)",
-      flag.quantity,
-      flag.reached_lowest,
-      flag.reached_highest,
-      flag.lower,
-      flag.upper,
-      100.0 * flag.fraction_outside);
-}
 
 std::string band_text(const continuum::RheologyTable& table, bool with_errors) {
   if (!table.covariance) return "; no band: this table states no errors";
@@ -49,7 +30,7 @@ std::string trust(const continuum::Answer& answer,
   std::string text;
   if (answer.out_of_domain.empty()) text = "inside the range of the data";
   for (const continuum::RangeFlag& flag : answer.out_of_domain)
-    text += (text.empty() ? "OUT_OF_DOMAIN: " : ", OUT_OF_DOMAIN: ") + flag_text(flag);
+    text += (text.empty() ? "OUT_OF_DOMAIN: " : ", OUT_OF_DOMAIN: ") + io::flag_text(flag);
   if (answer.condition_number > 0.0)
     text += fmt::format("; 1 % of mu moves I by {:.1f} %", answer.condition_number);
   return text + band_text(table, with_errors) + checks_text(table);

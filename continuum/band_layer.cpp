@@ -154,11 +154,16 @@ double BandLayer::largest_acceleration(std::span<const double> rate) const {
 }
 
 BandState BandLayer::band_state(std::span<const double> y) const {
+  // a state that the solver failed at may have a stress beyond the law: no rate belongs to it
+  const auto rate = [&](std::size_t face) {
+    const Face& at = faces_[face];
+    return at.curve.scaled_rate(std::abs(y[stress_of(face)])) ? plastic_rate(y, face) : 0.0;
+  };
   // velocity at the faces; at an end without a wall that of a cell with the shear of its face
   const auto velocity = [&](std::size_t face) {
     if (face == 0 && first_.velocity) return *first_.velocity;
     if (face == cells_ && last_.velocity) return *last_.velocity;
-    const double step = plastic_rate(y, face) / faces_[face].curve.mobility * faces_[face].distance;
+    const double step = rate(face) / faces_[face].curve.mobility * faces_[face].distance;
     if (face == 0) return y[velocity_of(0)] + step;
     if (face == cells_) return y[velocity_of(cells_ - 1)] - step;
     const double share = 0.5 * cell_mass(face - 1) / faces_[face].distance;
@@ -180,8 +185,8 @@ BandState BandLayer::band_state(std::span<const double> y) const {
   }
   state.wall = {.shear_stress = y.front(),
                 .pressure = faces_.front().pressure,
-                .shear_rate = faces_.front().curve.shear_rate(plastic_rate(y, 0)),
-                .volume_fraction = faces_.front().curve.volume_fraction(plastic_rate(y, 0))};
+                .shear_rate = faces_.front().curve.shear_rate(rate(0)),
+                .volume_fraction = faces_.front().curve.volume_fraction(rate(0))};
   state.velocity = velocity(0) - velocity(cells_);
   return state;
 }

@@ -95,6 +95,7 @@ class Start {
     const double needed = times_allowed * goal_.time;
     return options_.output_times.empty() ? needed : std::max(needed, options_.output_times.back());
   }
+  bool follow(OdeSolver& solver);
   void take_snapshots(const OdeSolver& solver);
   double time_to_steady() const;
 
@@ -139,21 +140,31 @@ bool Start::run() {
                     .end_time = limit(),
                     .stop_at_event = false});
   bool steady = false;
-  for (long steps = 1; steps < most_steps; ++steps) {
-    const bool at_end = solver.step() == OdeSolver::Step::end;
-    take_snapshots(solver);
-    history_.push_back({solver.time(), layer_.momentum(solver.state())});
-    steady = solver.time() > goal_.time && layer_.largest_acceleration(solver.derivative()) <=
-                                               options_.steady_residual * goal_.stress / goal_.mass;
-    const bool all_taken = result_.snapshots.size() == options_.output_times.size();
-    if (at_end || (steady && all_taken)) break;
-    if (steps % steps_of_chatter == 0) solver.tighten(0.1);
+  try {
+    steady = follow(solver);
+  } catch (const SolverError& error) {
+    result_.answer.text += fmt::format("; {}", error.what());
   }
   result_.end_time = solver.time();
   result_.statistics = solver.statistics();
   if (steady) result_.time_to_steady = time_to_steady();
   last = layer_.band_state(solver.state());
   return steady;
+}
+
+bool Start::follow(OdeSolver& solver) {
+  for (long steps = 1; steps < most_steps; ++steps) {
+    const bool at_end = solver.step() == OdeSolver::Step::end;
+    take_snapshots(solver);
+    history_.push_back({solver.time(), layer_.momentum(solver.state())});
+    const bool steady =
+        solver.time() > goal_.time && layer_.largest_acceleration(solver.derivative()) <=
+                                          options_.steady_residual * goal_.stress / goal_.mass;
+    const bool all_taken = result_.snapshots.size() == options_.output_times.size();
+    if (at_end || (steady && all_taken)) return steady;
+    if (steps % steps_of_chatter == 0) solver.tighten(0.1);
+  }
+  return false;
 }
 
 }  // namespace
@@ -171,8 +182,8 @@ BandStart start_band(const RheologyTable& table,
   const BandProblem problem = make_problem(table, band, units);
   Start start(problem, goal_of(problem, steady, units), units, options, result);
   if (!start.run()) {
-    result.answer.outcome =
-        options.time_limit > 0.0 ? Outcome::time_reached : Outcome::not_converged;
+    const bool asked = options.time_limit > 0.0 && result.end_time >= options.time_limit;
+    result.answer.outcome = asked ? Outcome::time_reached : Outcome::not_converged;
     result.answer.text += fmt::format("; not steady at t = {:.4g}", result.end_time);
   }
   result.final_profile = in_case_units(profile_of(problem, start.last, options.cells), units);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 namespace grainlaw::io {
@@ -58,10 +59,16 @@ constexpr auto totals = std::to_array<Total>({
     {"plug_mass", &Profile::plug_mass, dimension::mass_per_area},
 });
 
-std::string range_text(const continuum::RangeFlag& flag) {
+}  // namespace
+
+std::string flag_text(const continuum::RangeFlag& flag) {
+  if (std::isinf(flag.upper))
+    return fmt::format("{} is {:.3g}, a continuum law needs at least about {:.3g}",
+                       flag.quantity,
+                       flag.reached_lowest,
+                       flag.lower);
   return fmt::format(
-      "{} from {:.4g} to {:.4g} where the data end at {:.4g} and {:.4g}, {:.1f} % of "
-      "the mass outside",
+      "{} reaches {:.3g} to {:.3g}, data {:.3g} to {:.3g} ({:.0f} % of the flowing mass outside)",
       flag.quantity,
       flag.reached_lowest,
       flag.reached_highest,
@@ -70,16 +77,13 @@ std::string range_text(const continuum::RangeFlag& flag) {
       100.0 * flag.fraction_outside);
 }
 
-}  // namespace
-
 std::string profile_csv(const Profile& profile,
                         const continuum::Answer& answer,
                         const Units& units,
                         const std::string& coordinate) {
   std::string out = fmt::format(
       "# {}: {}\n# units {}\n", continuum::name(answer.outcome), answer.text, units.symbols());
-  for (const auto& flag : answer.out_of_domain)
-    out += "# OUT_OF_DOMAIN: " + range_text(flag) + "\n";
+  for (const auto& flag : answer.out_of_domain) out += "# OUT_OF_DOMAIN: " + flag_text(flag) + "\n";
   for (const Total& total : totals) {
     out += fmt::format("# {} = {} {}\n",
                        total.name,

@@ -8,6 +8,9 @@
 
 namespace grainlaw::io {
 
+/// What left the range of the data, and how far.
+std::string flag_text(const continuum::RangeFlag& flag);
+
 /// A profile in the given units, as CSV with the unit of every column in its header and the answer
 /// in comment lines before it. Errors are there when the table states any. `coordinate` is what z
 /// of the rows is called, "r" between cylinders.

@@ -41,6 +41,7 @@ std::vector<Html> state_row(const RunComparison& run, const continuum::Certified
       run_label(run),
       text(significant(state.at.inertial_number)),
       text(significant(state.at.softness, 2)),
+      text(significant(state.at.bond_number, 2)),
       text(state.margin_error ? with_error({.value = found.margin, .error = *state.margin_error})
                               : significant(found.margin)),
       text(significant(found.direction)),
@@ -48,14 +49,27 @@ std::vector<Html> state_row(const RunComparison& run, const continuum::Certified
       text(found.holds() ? "yes" : "no")};
 }
 
-/// A chute is one point of I over a range of p*, whose upper end is its base.
+/// States of a chute: one I, at the base, and without cohesion at the surface too; cohesive grains
+/// have a plug there, and Bo has no bound.
+std::vector<continuum::FlowState> states_of(const RunComparison& run) {
+  const auto& grains = run.data.conditions;
+  const double I = run.point->inertial_number.value;
+  if (!(grains.attraction > 0.0))
+    return {{I, run.point->softness_upper, 0.0}, {I, run.point->softness_lower, 0.0}};
+  const double pressure = grains.gravity * std::cos(grains.inclination) * grains.mass_per_area;
+  const double bond_number =
+      grains.attraction / (pressure * grains.grain_diameter * grains.grain_diameter);
+  return {{I, run.point->softness_upper, bond_number}};
+}
+
 Table state_table(const Report& report) {
   Table result{.caption =
-                   "The margin <i>F</i> at each data point: at the base and at the "
-                   "uppermost row of each chute."_html,
+                   "The margin <i>F</i> at each data point: at the base of each chute and, "
+                   "without cohesion, at its surface."_html,
                .head = {"Run"_html,
                         "<i>I</i>"_html,
                         "<i>p</i>*"_html,
+                        "Bo"_html,
                         "<i>F</i>"_html,
                         "Worst direction <i>a</i>"_html,
                         "P[<i>F</i> &lt; 0]"_html,
@@ -64,9 +78,8 @@ Table state_table(const Report& report) {
                .text_columns = 1};
   for (const RunComparison& run : report.runs) {
     if (!run.point) continue;
-    for (const double softness : {run.point->softness_upper, run.point->softness_lower}) {
-      const auto state =
-          continuum::certify(report.table, {run.point->inertial_number.value, softness, 0.0});
+    for (const continuum::FlowState& at : states_of(run)) {
+      const auto state = continuum::certify(report.table, at);
       if (state) result.rows.push_back(state_row(run, *state));
     }
   }

@@ -1,4 +1,5 @@
-// The time-dependent side of random_cases_test.cpp in full: a quarter of a minute. Each start ends within 50 000 steps.
+// The time-dependent side of random_cases_test.cpp in full: a quarter of a minute; each start ends
+// within some 50 000 steps.
 #include <gtest/gtest.h>
 
 #include "tests/verification/random_chutes.h"
