@@ -23,6 +23,7 @@ constexpr std::array verbs{
     Verb{"calibrate", "run a campaign, fit laws, report       CAMPAIGN.toml [-o DIR]"},
     Verb{"predict", "predict a flow from a table            CASE.toml -t TABLE.toml"},
     Verb{"compare", "compare runs with predictions, report  RUN.h5... -t TABLE.toml"},
+    Verb{"study", "set errors against run time            STUDY.toml [-o DIR]"},
 };
 
 std::string help() {

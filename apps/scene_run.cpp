@@ -74,13 +74,18 @@ void add_lifetimes(const dem::LifetimeStatistics& lifetimes, Summary& summary) {
 
 }  // namespace
 
+RunTime run_time(const dem::Scene& scene) {
+  const dem::Measurement& wanted = scene.measurement;
+  const double longest = wanted.time_limit / dem::time_step(scene) * step_seconds(scene);
+  return {.least = std::min(longest, longest * wanted.averaging_time / wanted.time_limit),
+          .most = longest};
+}
+
 Summary check_scene(const io::SceneFile& file) {
   const dem::Scene& scene = file.scene;
   const double shortest = dem::shortest_contact_time(scene);
   const double step = dem::time_step(scene);
-  const double longest = scene.measurement.time_limit / step * step_seconds(scene);
-  const double least =
-      std::min(longest, longest * scene.measurement.averaging_time / scene.measurement.time_limit);
+  const RunTime time = run_time(scene);
   const dem::SceneSummary parts = dem::summarise(scene);
   Summary summary;
   summary.add("scene", "scene", scene.name);
@@ -102,8 +107,8 @@ Summary check_scene(const io::SceneFile& file) {
   summary.add(
       "time_step_limit", "  at most", shortest / dem::limits::least_steps_per_contact, "sqrt(d/g)");
   summary.add("memory", "memory", memory_megabytes(scene), "MB");
-  summary.add("run_time_shortest", "run time, at least", duration_text(least));
-  summary.add("run_time_longest", "run time, at most", duration_text(longest));
+  summary.add("run_time_shortest", "run time, at least", duration_text(time.least));
+  summary.add("run_time_longest", "run time, at most", duration_text(time.most));
   return summary;
 }
 

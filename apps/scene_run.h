@@ -9,6 +9,15 @@
 
 namespace grainlaw {
 
+/// Wall time of a run on one thread [s].
+struct RunTime {
+  double least = 0.0;  ///< steady at once
+  double most = 0.0;   ///< up to the time limit
+};
+
+/// Estimate from a short measurement of some steps.
+RunTime run_time(const dem::Scene& scene);
+
 /// What a scene will use and leave out, its time step and why, memory and run time (--check).
 Summary check_scene(const io::SceneFile& file);
 

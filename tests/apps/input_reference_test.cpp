@@ -11,6 +11,7 @@
 #include "apps/io/import_input.h"
 #include "apps/io/rheology_table_toml.h"
 #include "apps/io/scene_input.h"
+#include "apps/io/study_input.h"
 
 namespace grainlaw::io {
 namespace {
@@ -61,6 +62,7 @@ std::string reference() {
          "\n## Campaign (`grainlaw calibrate`)\n\n" + campaign_keys() +
          "\n## Case (`grainlaw predict`)\n\n" + case_keys() +
          "\n## Import (`grainlaw compare`, `grainlaw calibrate --from`)\n\n" + import_keys() +
+         "\n## Study (`grainlaw study`)\n\n" + study_keys() +
          "\n## Rheology table (`--table`)\n\n" + table_keys();
 }
 

@@ -79,7 +79,7 @@ class Programs : public testing::Test {
 };
 
 TEST_F(Programs, EveryVerbHelpsWithAnExample) {
-  for (const char* verb : {"dem", "calibrate", "predict", "compare"}) {
+  for (const char* verb : {"dem", "calibrate", "predict", "compare", "study"}) {
     const Output help = grainlaw(std::string(verb) + " --help");
     EXPECT_EQ(help.code, 0) << verb;
     EXPECT_NE(help.text.find("Example"), std::string::npos) << verb;

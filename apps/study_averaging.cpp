@@ -1,0 +1,433 @@
+// What one run tells of averaging: over how much time, and with how wide a kernel.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+#include "apps/exit_code.h"
+#include "apps/io/import.h"
+#include "apps/study_kinds.h"
+#include "dem/fields.h"
+#include "dem/statistics.h"
+
+namespace grainlaw::study {
+namespace {
+
+using Frames = std::span<const dem::ProfileFrame>;
+
+/// A number that a stretch of a run gives.
+struct Quantity {
+  std::string name;
+  double (*of)(const std::vector<dem::FieldRow>& rows);
+};
+
+double mean_velocity(const std::vector<dem::FieldRow>& rows) {
+  double momentum = 0.0, mass = 0.0;
+  for (const dem::FieldRow& row : rows) {
+    momentum += row.momentum[0];
+    mass += row.density;
+  }
+  return momentum / mass;
+}
+
+double stress_ratio(const std::vector<dem::FieldRow>& rows) {
+  double shear = 0.0, normal = 0.0;
+  for (const dem::FieldRow& row : rows) {
+    shear += row.shear_stress;
+    normal += row.normal_stress;
+  }
+  return shear / normal;
+}
+
+/// Weighted with itself: the bulk counts, the surface hardly.
+double volume_fraction(const std::vector<dem::FieldRow>& rows) {
+  double squares = 0.0, sum = 0.0;
+  for (const dem::FieldRow& row : rows) {
+    squares += row.volume_fraction * row.volume_fraction;
+    sum += row.volume_fraction;
+  }
+  return squares / sum;
+}
+
+/// A chute holds mu, a box sheared at a rate holds the velocity: the other one fluctuates.
+std::vector<Quantity> quantities_of(const dem::LocalData& data) {
+  const bool box = data.conditions.geometry == "simple_shear";
+  const Quantity flow =
+      box ? Quantity{"mu", stress_ratio} : Quantity{"mean velocity", mean_velocity};
+  return {flow, {"phi", volume_fraction}};
+}
+
+double value_of(const dem::LocalData& data, Frames frames, const Quantity& quantity) {
+  return quantity.of(dem::coarse_grain(
+      dem::mean_moments(frames), data.frames, data.frames.kernel, data.conditions));
+}
+
+std::vector<double> series_of(const dem::LocalData& data, Frames frames, const Quantity& quantity) {
+  std::vector<double> series;
+  for (std::size_t k = 0; k < frames.size(); ++k) {
+    series.push_back(value_of(data, frames.subspan(k, 1), quantity));
+  }
+  return series;
+}
+
+double mean(const std::vector<double>& values) {
+  double sum = 0.0;
+  for (const double value : values) sum += value;
+  return sum / static_cast<double>(values.size());
+}
+
+double mean_square_off(const std::vector<double>& values, double centre) {
+  double sum = 0.0;
+  for (const double value : values) sum += (value - centre) * (value - centre);
+  return sum / static_cast<double>(values.size());
+}
+
+/// What an independent measurement says, and its standard error.
+struct Reference {
+  double value = nan;
+  double error = 0.0;
+};
+
+/// Errors of stretches of 1/parts of the averaging time.
+struct Stretches {
+  int parts = 1;
+  double time = 0.0;
+  double error = nan;      ///< root mean square, relative
+  double error_bar = nan;  ///< from the number of stretches
+  double claimed = nan;    ///< standard error that the stretches state themselves, relative
+};
+
+/// Root mean square distance of the stretches from the reference. Without one they are held against
+/// their own mean, which costs a degree of freedom; the whole run then has no error.
+Stretches stretches(const dem::LocalData& data,
+                    Frames frames,
+                    const Quantity& quantity,
+                    const std::optional<Reference>& reference,
+                    int parts) {
+  const std::size_t length = frames.size() / static_cast<std::size_t>(parts);
+  Stretches result{.parts = parts};
+  std::vector<double> values;
+  double claimed = 0.0;
+  for (std::size_t k = 0; k < static_cast<std::size_t>(parts); ++k) {
+    const Frames stretch = frames.subspan(k * length, length);
+    values.push_back(value_of(data, stretch, quantity));
+    const double error = dem::block_average(series_of(data, stretch, quantity)).error;
+    claimed += error * error / parts;
+  }
+  const double scale = std::abs(reference ? reference->value : mean(values));
+  result.time = frames[length - 1].end - frames.front().begin;
+  result.claimed = std::sqrt(claimed) / scale;
+  const int freedom = reference ? parts : parts - 1;
+  if (freedom == 0) return result;
+  const double square = mean_square_off(values, reference ? reference->value : mean(values)) *
+                        static_cast<double>(parts) / freedom;
+  result.error = std::sqrt(square) / scale;
+  // A root mean square of n normal numbers is known to 1/sqrt(2 n) of itself.
+  result.error_bar = std::hypot(result.error / std::sqrt(2.0 * freedom),
+                                reference ? reference->error / scale : 0.0);
+  return result;
+}
+
+/// A straight line through ln(error) over ln(time), weighted by how well each is known.
+struct Slope {
+  double value = nan;
+  double error = nan;
+};
+
+Slope slope_of(const std::vector<Stretches>& all) {
+  double w = 0.0, wx = 0.0, wy = 0.0;
+  std::vector<std::array<double, 3>> data;
+  for (const Stretches& one : all) {
+    if (!(one.error > 0.0)) continue;
+    const double weight = std::pow(one.error / one.error_bar, 2);
+    data.push_back({std::log(one.time), std::log(one.error), weight});
+    w += weight;
+    wx += weight * data.back()[0];
+    wy += weight * data.back()[1];
+  }
+  double xx = 0.0, xy = 0.0;
+  for (const auto& [x, y, weight] : data) {
+    xx += weight * (x - wx / w) * (x - wx / w);
+    xy += weight * (x - wx / w) * (y - wy / w);
+  }
+  return data.size() < 2 ? Slope{} : Slope{xy / xx, 1.0 / std::sqrt(xx)};
+}
+
+std::string slope_text(const std::string& quantity, const Slope& slope) {
+  std::string text = fmt::format(
+      "{}: the error falls with the power {:.2f} +- {:.2f} of the time (-0.5 expected of "
+      "independent samples)",
+      quantity,
+      slope.value,
+      slope.error);
+  if (slope.value - 2.0 * slope.error > -0.5) {
+    text +=
+        "; flatter than that: what stays is bias (base, size of the sample, drift), which more "
+        "time "
+        "does not take away";
+  }
+  return text + ".";
+}
+
+/// Error = C / sqrt(time) through the claimed error of the whole run, which rests on most data.
+std::string time_for(const std::string& quantity,
+                     const Stretches& whole,
+                     double accuracy,
+                     double cost) {
+  const double factor = std::pow(whole.claimed / accuracy, 2);
+  return fmt::format(
+      "For {} in {} (one standard error, by its 1/sqrt(time)) average over {:.3g} sqrt(d/g); that "
+      "is {:.2g} of this run's averaging time, whose own cost was {:.3g} s.",
+      error_text(accuracy),
+      quantity,
+      whole.time * factor,
+      factor,
+      cost);
+}
+
+struct Source {
+  Run run;
+  std::vector<Run> references;
+};
+
+io::SceneFile named(const io::SceneFile& scene, const std::string& name) {
+  return changed(scene, {{"", "name", "\"" + name + "\""}});
+}
+
+std::vector<io::SceneFile> scenes_of(const io::AveragingTimeStudy& study) {
+  if (study.source.scene.empty()) return {};
+  const io::SceneFile scene = io::read_scene(study.source.scene);
+  std::vector<io::SceneFile> scenes = {named(scene, "run")};
+  for (const double seed : study.reference_seeds) {
+    const std::string number = fmt::format("{:.0f}", seed);
+    scenes.push_back(
+        changed(scene, {{"", "name", "\"reference_seed" + number + "\""}, {"", "seed", number}}));
+  }
+  return scenes;
+}
+
+/// The finished run, or the runs of the scenes; the first is the one that is cut.
+std::vector<Run> obtain(const io::RunSource& source,
+                        const std::vector<io::SceneFile>& scenes,
+                        const Context& context) {
+  std::vector<Run> runs;
+  if (!source.run.empty()) {
+    dem::LocalData data = io::read_run(source.run).data;
+    const std::string name = data.name;
+    runs.push_back({name, std::move(data), {}, nan});
+  } else {
+    runs = run_scenes(scenes, context);
+  }
+  for (const Run& run : runs) {
+    if (!run.data) throw NoAnswer(run.name + ": " + run.failure);
+    if (!run.data->window.steady) {
+      throw NoAnswer(run.name + " is not steady: " + run.data->window.reason);
+    }
+  }
+  return runs;
+}
+
+Frames window_frames(const dem::LocalData& data) {
+  return dem::frames_inside(data.frames, data.window);
+}
+
+std::optional<Reference> reference_of(const std::vector<Run>& runs, const Quantity& quantity) {
+  if (runs.size() < 2) return std::nullopt;
+  std::vector<double> values;
+  double claimed = 0.0;
+  for (auto run = runs.begin() + 1; run != runs.end(); ++run) {
+    const Frames frames = window_frames(*run->data);
+    values.push_back(value_of(*run->data, frames, quantity));
+    claimed += std::pow(dem::block_average(series_of(*run->data, frames, quantity)).error, 2);
+  }
+  const auto n = static_cast<double>(values.size());
+  const double scatter = mean_square_off(values, mean(values)) / std::max(1.0, n - 1.0);
+  return Reference{mean(values), std::sqrt(std::max(scatter, claimed / (n * n)))};
+}
+
+/// Seconds of a run that stops after 1/parts of its averaging time.
+double share_of_cost(double seconds, const dem::RunSummary& run, int parts) {
+  const double start = run.startup_wall_seconds / run.wall_seconds;
+  return seconds * (start + (1.0 - start) / parts);
+}
+
+void add_points(Result& result, const Run& run, const Quantity& quantity, const Stretches& one) {
+  Point point;
+  point.quantity = point.series = quantity.name;
+  point.setting = one.parts == 1 ? "all" : fmt::format("1/{}", one.parts);
+  point.cpu_seconds = share_of_cost(run.cpu_seconds, run.data->summary, one.parts);
+  point.wall_seconds = share_of_cost(run.data->summary.wall_seconds, run.data->summary, one.parts);
+  point.cost = std::isfinite(point.cpu_seconds) ? point.cpu_seconds : point.wall_seconds;
+  point.error = one.error;
+  point.error_bar = one.error_bar;
+  if (std::isfinite(one.error)) result.points.push_back(point);
+  point.series += ", claimed";
+  point.error = one.claimed;
+  point.error_bar = nan;
+  if (std::isfinite(one.claimed)) result.points.push_back(point);
+}
+
+void study_quantity(Result& result,
+                    const std::vector<Run>& runs,
+                    const Quantity& quantity,
+                    double accuracy) {
+  const dem::LocalData& data = *runs.front().data;
+  const Frames frames = window_frames(data);
+  const std::optional<Reference> reference = reference_of(runs, quantity);
+  std::vector<Stretches> all;
+  for (const int parts : {16, 8, 4, 2, 1}) {
+    if (frames.size() < static_cast<std::size_t>(parts)) continue;
+    all.push_back(stretches(data, frames, quantity, reference, parts));
+    add_points(result, runs.front(), quantity, all.back());
+  }
+  result.remarks.push_back(slope_text(quantity.name, slope_of(all)));
+  const double cost = std::isfinite(runs.front().cpu_seconds) ? runs.front().cpu_seconds
+                                                              : data.summary.wall_seconds;
+  result.advice.push_back(time_for(quantity.name, all.back(), accuracy, cost));
+}
+
+/// A field that depends on the width of the kernel.
+struct Field {
+  std::string_view name;
+  double dem::FieldRow::*value;
+};
+constexpr Field kernel_fields[] = {{"shear rate", &dem::FieldRow::shear_rate},
+                                   {"phi", &dem::FieldRow::volume_fraction},
+                                   {"mu", &dem::FieldRow::friction},
+                                   {"temperature", &dem::FieldRow::temperature}};
+
+std::size_t index_at(const dem::WidthFields& fields, double z) {
+  return static_cast<std::size_t>(std::floor((z - fields.z_begin) / fields.row_width));
+}
+
+/// Heights of dense flow.
+std::vector<double> dense_heights(const dem::LocalData& data) {
+  constexpr double dense = 0.9;  // of the densest: the saltating surface is left out
+  double most = 0.0;
+  for (const dem::LocalRow& row : data.rows) most = std::max(most, row.volume_fraction.value);
+  std::vector<double> heights;
+  for (const dem::LocalRow& row : data.rows) {
+    if (row.volume_fraction.value >= dense * most) heights.push_back(row.z);
+  }
+  return heights;
+}
+
+/// Relative root mean squares over the heights, of what the width costs in bias and in noise.
+struct WidthError {
+  double bias = 0.0;
+  double noise = 0.0;
+};
+
+/// The kernel smears a field f by f'' times the variance of the kernel, so f(w) = f(0) + c w^2, and
+/// f(0) follows from w/2 and w (Richardson).
+WidthError width_error(const std::vector<dem::WidthFields>& fields,
+                       std::size_t width,
+                       const std::vector<double>& heights,
+                       double dem::FieldRow::*value) {
+  double bias = 0.0, noise = 0.0, size = 0.0;
+  for (const double z : heights) {
+    const auto at = [&](std::size_t k) { return index_at(fields[k], z); };
+    const double half = fields[0].values[at(0)].*value;
+    const double sharp = half - (fields[1].values[at(1)].*value - half) / 3.0;
+    const double here = fields[width].values[at(width)].*value;
+    const double error = fields[width].errors[at(width)].*value;
+    if (!std::isfinite(sharp) || !std::isfinite(here) || !std::isfinite(error)) continue;
+    bias += (here - sharp) * (here - sharp);
+    noise += error * error;
+    size += sharp * sharp;
+  }
+  return {std::sqrt(bias / size), std::sqrt(noise / size)};
+}
+
+void add_kernel_point(Result& result,
+                      const std::string& field,
+                      const std::string& series,
+                      double width,
+                      double error) {
+  Point point;
+  point.quantity = field;
+  point.series = field + ", " + series;
+  point.setting = fmt::format("{:g} d", width);
+  point.cost = width;
+  point.error = error;
+  result.points.push_back(point);
+}
+
+void study_field(Result& result, const dem::LocalData& data, const Field& field) {
+  const std::vector<double> heights = dense_heights(data);
+  const std::string name(field.name);
+  std::string best;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < data.fields.size(); ++k) {
+    const WidthError error = width_error(data.fields, k, heights, field.value);
+    const double width = data.fields[k].width / data.conditions.grain_diameter;
+    add_kernel_point(result, name, "bias", width, error.bias);
+    add_kernel_point(result, name, "noise", width, error.noise);
+    const double total = std::hypot(error.bias, error.noise);
+    if (total >= least) continue;
+    least = total;
+    best = fmt::format("For {} take w = {:g} d of these: bias {}, noise {}.",
+                       name,
+                       width,
+                       error_text(error.bias),
+                       error_text(error.noise));
+  }
+  result.advice.push_back(best);
+}
+
+}  // namespace
+
+Plan plan(const io::AveragingTimeStudy& study) {
+  Plan plan{.scenes = scenes_of(study), .other = {}};
+  if (plan.scenes.empty()) plan.other.push_back("cuts " + study.source.run.string());
+  return plan;
+}
+
+Plan plan(const io::KernelStudy& study) {
+  return plan(io::AveragingTimeStudy{.source = study.source, .reference_seeds = {}});
+}
+
+Result run(const io::AveragingTimeStudy& study, const io::StudyFile& file, const Context& context) {
+  const std::vector<Run> runs = obtain(study.source, scenes_of(study), context);
+  if (window_frames(*runs.front().data).size() < 8) {
+    throw NoAnswer(runs.front().name +
+                   ": fewer than 8 frames to cut; give it a longer averaging_time, or shorter "
+                   "frames");
+  }
+  Result result;
+  result.reference = runs.size() > 1
+                         ? fmt::format("the mean of {} runs on other bases.", runs.size() - 1)
+                         : "the scatter of the stretches about each other, which a bias common to "
+                           "all of them does not show in (reference_seeds would).";
+  if (!std::isfinite(runs.front().cpu_seconds)) result.cost_label = "wall time [s]";
+  for (const Quantity& quantity : quantities_of(*runs.front().data)) {
+    study_quantity(result, runs, quantity, file.accuracy);
+  }
+  result.remarks.emplace_back(
+      "Each point: root mean square over all stretches of that length; \"claimed\" is the standard "
+      "error that stretches state of themselves (absent below 4 frames).");
+  return result;
+}
+
+Result run(const io::KernelStudy& study, const io::StudyFile&, const Context& context) {
+  const io::AveragingTimeStudy same{.source = study.source, .reference_seeds = {}};
+  const std::vector<Run> runs = obtain(study.source, scenes_of(same), context);
+  const dem::LocalData& data = *runs.front().data;
+  if (data.fields.size() != 3) {
+    throw io::InputError(data.name + ": a " + data.conditions.geometry +
+                         " without a kernel; this study takes a flow with profiles");
+  }
+  Result result;
+  result.reference = "the fields at w = 0, from w/2 and w as they go with w^2 (Richardson).";
+  result.cost_label = "width of the kernel w / d";
+  for (const Field& field : kernel_fields) study_field(result, data, field);
+  result.remarks.emplace_back(
+      "Bias: what the width smears. Noise: the standard error of the field at this width. Root "
+      "mean "
+      "squares over the heights of dense flow, relative. A width costs no time: one run holds "
+      "all.");
+  return result;
+}
+
+}  // namespace grainlaw::study
