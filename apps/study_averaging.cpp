@@ -1,4 +1,4 @@
-// What one run tells of averaging: over how much time, and with how wide a kernel.
+// What one run tells of averaging: over how much time.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -6,8 +6,8 @@
 #include <span>
 
 #include "apps/exit_code.h"
-#include "apps/io/import.h"
 #include "apps/study_kinds.h"
+#include "apps/study_source.h"
 #include "dem/fields.h"
 #include "dem/statistics.h"
 
@@ -155,19 +155,27 @@ Slope slope_of(const std::vector<Stretches>& all) {
 }
 
 std::string slope_text(const std::string& quantity, const Slope& slope) {
-  std::string text = fmt::format(
+  return fmt::format(
       "{}: the error falls with the power {:.2f} +- {:.2f} of the time (-0.5 expected of "
-      "independent samples)",
+      "independent samples).",
       quantity,
       slope.value,
       slope.error);
-  if (slope.value - 2.0 * slope.error > -0.5) {
-    text +=
-        "; flatter than that: what stays is bias (base, size of the sample, drift), which more "
-        "time "
-        "does not take away";
-  }
-  return text + ".";
+}
+
+/// A flat tail: the whole run is farther off than its own standard error allows.
+bool is_biased(const Stretches& whole) {
+  return whole.error > 2.0 * whole.claimed;
+}
+
+std::string bias_text(const std::string& quantity, const Stretches& whole) {
+  return fmt::format(
+      "{}: the whole run is off by {} where its own standard error is {}. What stays is bias (this "
+      "base, this sample of grains, drift), which no averaging of one run takes away: take several "
+      "seeds, or a larger base.",
+      quantity,
+      error_text(whole.error),
+      error_text(whole.claimed));
 }
 
 /// Error = C / sqrt(time) through the claimed error of the whole run, which rests on most data.
@@ -186,46 +194,14 @@ std::string time_for(const std::string& quantity,
       cost);
 }
 
-struct Source {
-  Run run;
-  std::vector<Run> references;
-};
-
-io::SceneFile named(const io::SceneFile& scene, const std::string& name) {
-  return changed(scene, {{"", "name", "\"" + name + "\""}});
-}
-
 std::vector<io::SceneFile> scenes_of(const io::AveragingTimeStudy& study) {
-  if (study.source.scene.empty()) return {};
-  const io::SceneFile scene = io::read_scene(study.source.scene);
-  std::vector<io::SceneFile> scenes = {named(scene, "run")};
+  std::vector<io::SceneFile> scenes = source_scenes(study.source);
   for (const double seed : study.reference_seeds) {
     const std::string number = fmt::format("{:.0f}", seed);
-    scenes.push_back(
-        changed(scene, {{"", "name", "\"reference_seed" + number + "\""}, {"", "seed", number}}));
+    scenes.push_back(changed(
+        scenes.front(), {{"", "name", "\"reference_seed" + number + "\""}, {"", "seed", number}}));
   }
   return scenes;
-}
-
-/// The finished run, or the runs of the scenes; the first is the one that is cut.
-std::vector<Run> obtain(const io::RunSource& source,
-                        const std::vector<io::SceneFile>& scenes,
-                        const Context& context) {
-  std::vector<Run> runs;
-  if (!source.run.empty()) {
-    dem::LocalData data = io::read_run(source.run).data;
-    const std::string name = data.name;
-    runs.push_back({name, std::move(data), {}, nan});
-  } else {
-    runs = run_scenes(scenes, context);
-  }
-  for (const Run& run : runs) {
-    if (!run.data) throw NoAnswer(run.name + ": " + run.failure);
-    if (!run.data->window.steady) {
-      throw NoAnswer(run.name + " is not steady: " + run.data->window.reason);
-    }
-  }
-  return runs;
 }
 
 Frames window_frames(const dem::LocalData& data) {
@@ -284,96 +260,10 @@ void study_quantity(Result& result,
   result.remarks.push_back(slope_text(quantity.name, slope_of(all)));
   const double cost = std::isfinite(runs.front().cpu_seconds) ? runs.front().cpu_seconds
                                                               : data.summary.wall_seconds;
-  result.advice.push_back(time_for(quantity.name, all.back(), accuracy, cost));
-}
-
-/// A field that depends on the width of the kernel.
-struct Field {
-  std::string_view name;
-  double dem::FieldRow::*value;
-};
-constexpr Field kernel_fields[] = {{"shear rate", &dem::FieldRow::shear_rate},
-                                   {"phi", &dem::FieldRow::volume_fraction},
-                                   {"mu", &dem::FieldRow::friction},
-                                   {"temperature", &dem::FieldRow::temperature}};
-
-std::size_t index_at(const dem::WidthFields& fields, double z) {
-  return static_cast<std::size_t>(std::floor((z - fields.z_begin) / fields.row_width));
-}
-
-/// Heights of dense flow.
-std::vector<double> dense_heights(const dem::LocalData& data) {
-  constexpr double dense = 0.9;  // of the densest: the saltating surface is left out
-  double most = 0.0;
-  for (const dem::LocalRow& row : data.rows) most = std::max(most, row.volume_fraction.value);
-  std::vector<double> heights;
-  for (const dem::LocalRow& row : data.rows) {
-    if (row.volume_fraction.value >= dense * most) heights.push_back(row.z);
-  }
-  return heights;
-}
-
-/// Relative root mean squares over the heights, of what the width costs in bias and in noise.
-struct WidthError {
-  double bias = 0.0;
-  double noise = 0.0;
-};
-
-/// The kernel smears a field f by f'' times the variance of the kernel, so f(w) = f(0) + c w^2, and
-/// f(0) follows from w/2 and w (Richardson).
-WidthError width_error(const std::vector<dem::WidthFields>& fields,
-                       std::size_t width,
-                       const std::vector<double>& heights,
-                       double dem::FieldRow::*value) {
-  double bias = 0.0, noise = 0.0, size = 0.0;
-  for (const double z : heights) {
-    const auto at = [&](std::size_t k) { return index_at(fields[k], z); };
-    const double half = fields[0].values[at(0)].*value;
-    const double sharp = half - (fields[1].values[at(1)].*value - half) / 3.0;
-    const double here = fields[width].values[at(width)].*value;
-    const double error = fields[width].errors[at(width)].*value;
-    if (!std::isfinite(sharp) || !std::isfinite(here) || !std::isfinite(error)) continue;
-    bias += (here - sharp) * (here - sharp);
-    noise += error * error;
-    size += sharp * sharp;
-  }
-  return {std::sqrt(bias / size), std::sqrt(noise / size)};
-}
-
-void add_kernel_point(Result& result,
-                      const std::string& field,
-                      const std::string& series,
-                      double width,
-                      double error) {
-  Point point;
-  point.quantity = field;
-  point.series = field + ", " + series;
-  point.setting = fmt::format("{:g} d", width);
-  point.cost = width;
-  point.error = error;
-  result.points.push_back(point);
-}
-
-void study_field(Result& result, const dem::LocalData& data, const Field& field) {
-  const std::vector<double> heights = dense_heights(data);
-  const std::string name(field.name);
-  std::string best;
-  double least = std::numeric_limits<double>::infinity();
-  for (std::size_t k = 0; k < data.fields.size(); ++k) {
-    const WidthError error = width_error(data.fields, k, heights, field.value);
-    const double width = data.fields[k].width / data.conditions.grain_diameter;
-    add_kernel_point(result, name, "bias", width, error.bias);
-    add_kernel_point(result, name, "noise", width, error.noise);
-    const double total = std::hypot(error.bias, error.noise);
-    if (total >= least) continue;
-    least = total;
-    best = fmt::format("For {} take w = {:g} d of these: bias {}, noise {}.",
-                       name,
-                       width,
-                       error_text(error.bias),
-                       error_text(error.noise));
-  }
-  result.advice.push_back(best);
+  const Stretches& whole = all.back();
+  result.advice.push_back(is_biased(whole) && whole.error > accuracy
+                              ? bias_text(quantity.name, whole)
+                              : time_for(quantity.name, whole, accuracy, cost));
 }
 
 }  // namespace
@@ -382,10 +272,6 @@ Plan plan(const io::AveragingTimeStudy& study) {
   Plan plan{.scenes = scenes_of(study), .other = {}};
   if (plan.scenes.empty()) plan.other.push_back("cuts " + study.source.run.string());
   return plan;
-}
-
-Plan plan(const io::KernelStudy& study) {
-  return plan(io::AveragingTimeStudy{.source = study.source, .reference_seeds = {}});
 }
 
 Result run(const io::AveragingTimeStudy& study, const io::StudyFile& file, const Context& context) {
@@ -407,26 +293,6 @@ Result run(const io::AveragingTimeStudy& study, const io::StudyFile& file, const
   result.remarks.emplace_back(
       "Each point: root mean square over all stretches of that length; \"claimed\" is the standard "
       "error that stretches state of themselves (absent below 4 frames).");
-  return result;
-}
-
-Result run(const io::KernelStudy& study, const io::StudyFile&, const Context& context) {
-  const io::AveragingTimeStudy same{.source = study.source, .reference_seeds = {}};
-  const std::vector<Run> runs = obtain(study.source, scenes_of(same), context);
-  const dem::LocalData& data = *runs.front().data;
-  if (data.fields.size() != 3) {
-    throw io::InputError(data.name + ": a " + data.conditions.geometry +
-                         " without a kernel; this study takes a flow with profiles");
-  }
-  Result result;
-  result.reference = "the fields at w = 0, from w/2 and w as they go with w^2 (Richardson).";
-  result.cost_label = "width of the kernel w / d";
-  for (const Field& field : kernel_fields) study_field(result, data, field);
-  result.remarks.emplace_back(
-      "Bias: what the width smears. Noise: the standard error of the field at this width. Root "
-      "mean "
-      "squares over the heights of dense flow, relative. A width costs no time: one run holds "
-      "all.");
   return result;
 }
 

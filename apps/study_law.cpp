@@ -72,8 +72,14 @@ struct Law {
   std::function<FittedLaw(const Data&)> fit;
 };
 
+/// Those that were fitted; the mass below the no-slip height follows from the height.
+int fitted_coefficients(const RheologyTable& table) {
+  const auto names = table.covariance ? table.covariance->names : coefficient_names(table);
+  return static_cast<int>(names.size() - std::ranges::count(names, "mass_below"));
+}
+
 FittedLaw one_for_all(RheologyTable table) {
-  const auto coefficients = static_cast<int>(continuum::coefficient_names(table).size());
+  const int coefficients = fitted_coefficients(table);
   const auto shared = std::make_shared<RheologyTable>(std::move(table));
   return {[shared](const dem::ChuteConditions&) -> const RheologyTable& { return *shared; },
           coefficients};
@@ -180,8 +186,9 @@ std::vector<Law> laws() {
        [](const Data& data) { return one_per_tilt(data, 3, generalised_table); }},
       {"mu(I)",
        [](const Data& data) { return one_for_all(calibration::fit_mu_phi(data.chutes).table); }},
-      {"mu(I, p*)", [](const Data& data) { return one_for_all(material_table(data, false)); }},
-      {"mu(I, p*, Bo)", [](const Data& data) { return one_for_all(material_table(data, true)); }}};
+      {"mu(I) + p*", [](const Data& data) { return one_for_all(material_table(data, false)); }},
+      {"mu(I) + p* + Bo",
+       [](const Data& data) { return one_for_all(material_table(data, true)); }}};
 }
 
 continuum::SteadyChute predict(const FittedLaw& law, const dem::LocalData& run) {
@@ -194,14 +201,15 @@ struct Score {
   int data = 0;
 };
 
-/// Rows are correlated over the width of the kernel, so every second one counts; the surface, where
-/// grains are few, does not.
+/// Rows are correlated over the width of the kernel, so every second one counts, or every one of
+/// data without a kernel; the surface, where grains are few, does not.
 Score score(const FittedLaw& law, const LocalRuns& chutes) {
   constexpr double dense = 0.5;
   Score score;
   for (const dem::LocalData& run : chutes) {
     const auto steady = predict(law, run);
-    for (std::size_t k = 0; k < run.rows.size(); k += 2) {
+    const std::size_t stride = run.fields.empty() ? 1 : 2;
+    for (std::size_t k = 0; k < run.rows.size(); k += stride) {
       const dem::LocalRow& row = run.rows[k];
       if (row.z < 0.0 || row.volume_fraction.value < dense || !(row.velocity.error > 0.0)) continue;
       const double there =
@@ -238,17 +246,21 @@ void add_predictions(
   }
 }
 
+std::string rank_text(const calibration::ModelScore& one, double least) {
+  return fmt::format(
+      "{} ({}, {} coefficients)",
+      one.name,
+      std::isfinite(one.aicc) ? fmt::format("{:+.1f}", one.aicc - least) : "too few data to tell",
+      one.coefficients);
+}
+
 std::string ranking(std::vector<calibration::ModelScore> scores) {
-  std::ranges::sort(scores, {}, &calibration::ModelScore::aicc);
-  std::string text = "By AICc on the velocities of the fitted runs:";
+  std::ranges::stable_sort(scores, {}, &calibration::ModelScore::aicc);
+  std::string text;
   for (const calibration::ModelScore& one : scores) {
-    text += fmt::format("{} {} ({:+.1f}, {} coefficients)",
-                        &one == &scores.front() ? "" : ",",
-                        one.name,
-                        one.aicc - scores.front().aicc,
-                        one.coefficients);
+    text += (text.empty() ? "" : ", ") + rank_text(one, scores.front().aicc);
   }
-  return text + ".";
+  return "By AICc on the velocities of the fitted runs: " + text + ".";
 }
 
 }  // namespace
@@ -293,7 +305,8 @@ Result run(const io::LawStudy& study, const io::StudyFile& file, const Context&)
   result.remarks.emplace_back(
       "Laws of Bagnold belong to a tilt: the nearest fitted one is used. AICc compares in sample "
       "and "
-      "counts every second row; error bars are the noise of the predicted runs.");
+      "counts every second row where a kernel smooths; error bars are the noise of the predicted "
+      "runs.");
   result.advice = advise(result.points, file.accuracy);
   return result;
 }

@@ -182,13 +182,19 @@ std::string label_block(const Result& result, const Axis& cost, const Axis& erro
   return text + "END\n";
 }
 
-/// Failures on the top edge; those that cost nothing on its left end.
+/// Failures on the top edge; those that cost nothing side by side from its left end.
 std::string failure_block(const Result& result, const Axis& cost, const Axis& error) {
   std::string text;
   std::set<std::pair<std::string, double>> done;
+  double across = 0.0;  // pixels
   for (const Point& point : result.points) {
-    const double at = point.cost > 0.0 ? point.cost : 1.15 * cost.lower;
-    if (!point.failed() || !done.insert({point.setting, at}).second) continue;
+    const bool free = !(point.cost > 0.0);
+    if (!point.failed() || !done.insert({point.setting, free ? 0.0 : point.cost}).second) continue;
+    const double half_label = 2.8 * static_cast<double>(mark(point).size()) + 5.0;
+    if (free) across += half_label;
+    const double share = across / ((right - left) * figure_width);
+    const double at = free ? cost.lower * std::pow(cost.upper / cost.lower, share) : point.cost;
+    if (free) across += half_label;
     text += fmt::format("{},{},{}\n", number(at), number(0.9999 * error.upper), mark(point));
   }
   return text.empty() ? text : "$failures << END\ncost,error,label\n" + text + "END\n";

@@ -13,6 +13,8 @@
 #include "apps/study_timing.h"
 #include "calibration/comparison.h"
 #include "continuum/chute_1d.h"
+#include "continuum/layer.h"
+#include "continuum/transient_segment.h"
 
 namespace grainlaw::study {
 namespace {
@@ -87,13 +89,17 @@ Point quadrature(const Problem& problem, int panels, int repeats) {
   return point;
 }
 
-std::string treatment(double delta) {
-  return delta == 0.0 ? "exact" : fmt::format("delta {:.0e}", delta);
+/// How the solver treats yield (continuum/chute_1d.h, transient_chute).
+std::string treatment(const Problem& problem, double delta) {
+  if (delta > 0.0) return fmt::format("delta {:.0e}", delta);
+  const bool plug =
+      continuum::may_rest_in_part(continuum::make_layer(problem.table, problem.chute));
+  return plug ? "exact yield" : "scaled rate";
 }
 
 Point transient(const Problem& problem, double cells, double tolerance, double delta, int repeats) {
   Point point = new_point("velocity in time",
-                          fmt::format("{}, rtol {:.0e}", treatment(delta), tolerance),
+                          fmt::format("{}, rtol {:.0e}", treatment(problem, delta), tolerance),
                           static_cast<int>(cells),
                           "cells");
   continuum::TransientOptions options = problem.transient;
@@ -151,9 +157,10 @@ Result run(const io::SolverStudy& study, const io::StudyFile& file, const Contex
   result.remarks.emplace_back(
       "Quadrature: the surface velocity, at rounding mostly and then not in the figure. The "
       "others: CVODE from rest until steady, the largest "
-      "error of the profile. \"exact\" has velocity and stress as its state where part of the "
-      "layer may rest, and the scaled shear rate where it cannot; \"delta\" smears the yield "
-      "stress over shear rates of that size (Bercovier and Engelman 1980).");
+      "error of the profile. Exact yield: velocity and stress are the state, as part of the layer "
+      "may "
+      "rest. Scaled rate: the shear rate is, as none can. Delta: the yield stress is smeared over "
+      "shear rates of that size (Bercovier and Engelman 1980).");
   result.advice = advise(result.points, file.accuracy);
   return result;
 }

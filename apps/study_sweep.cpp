@@ -67,16 +67,21 @@ double mean(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
-/// Mean over the runs of a setting; its error from their scatter where there are several.
+/// Mean over the runs of a setting. Its error is that of their scatter, but not below what they
+/// claim themselves: a few runs may lie close together by chance.
 Estimate mean(const std::vector<Estimate>& of) {
   if (of.size() == 1) return of.front();
   std::vector<double> values;
-  for (const Estimate& one : of) values.push_back(one.value);
+  double claimed = 0.0;
+  for (const Estimate& one : of) {
+    values.push_back(one.value);
+    if (std::isfinite(one.error)) claimed += one.error * one.error;
+  }
   const double centre = mean(values);
   double squares = 0.0;
   for (const double value : values) squares += (value - centre) * (value - centre);
   const auto n = static_cast<double>(values.size());
-  return {centre, std::sqrt(squares / (n - 1.0) / n)};
+  return {centre, std::sqrt(std::max(squares / (n - 1.0) / n, claimed / (n * n)))};
 }
 
 /// What the runs of one setting gave together.
@@ -202,6 +207,13 @@ std::string reference_text(const Outcome& finest) {
   return text + ".";
 }
 
+/// Why a value cannot be a reference; empty when it can.
+std::string no_reference(const Measured& reference) {
+  if (!reference.failure.empty()) return reference.failure;
+  if (reference.estimate.value == 0.0) return "it is 0, the data need no such term";
+  return {};
+}
+
 }  // namespace
 
 Result compare_with_finest(const std::vector<Setting>& settings,
@@ -218,13 +230,12 @@ Result compare_with_finest(const std::vector<Setting>& settings,
   result.reference = reference_text(finest);
   add_energy(result.points, outcomes);
   for (const Measured& reference : finest.measured) {
-    if (reference.failure.empty()) {
+    const std::string missing = no_reference(reference);
+    if (missing.empty()) {
       add_quantity(result.points, outcomes, reference);
     } else {
-      result.remarks.push_back(fmt::format("{}: {} gave no value to compare with: {}",
-                                           reference.quantity,
-                                           finest.label,
-                                           reference.failure));
+      result.remarks.push_back(fmt::format(
+          "{}: {} gives nothing to compare with: {}", reference.quantity, finest.label, missing));
     }
   }
   result.remarks.emplace_back(
