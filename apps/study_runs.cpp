@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <ctime>
 #include <sstream>
 
@@ -36,6 +37,13 @@ std::string progress_text(const std::string& name, const dem::Progress& now, con
                      duration_text(pace.seconds_left()));
 }
 
+/// CPU seconds of this session; where the ones before were killed and left no note, the wall time
+/// of the whole run stands for them.
+double seconds_spent(const SceneRun& run, double this_session, const CostLog& log) {
+  const bool killed = run.resumed && log.cpu_seconds(run.data.name) == 0.0;
+  return killed ? std::max(this_session, run.data.summary.wall_seconds) : this_session;
+}
+
 /// Runs a scene, from its checkpoint where there is one. What a run that failed cost is not kept.
 Run run_one(const io::SceneFile& scene,
             const fs::path& output,
@@ -43,6 +51,7 @@ Run run_one(const io::SceneFile& scene,
             CostLog& log,
             ProgressLine& line) {
   Run run{.name = scene.scene.name, .data = {}, .failure = {}, .cpu_seconds = 0.0};
+  if (log.finished(run.name)) log.begin(run.name);  // of another scene or version
   const double start = process_cpu_seconds();
   try {
     SceneRun result = run_scene(
@@ -53,7 +62,7 @@ Run run_one(const io::SceneFile& scene,
                          const Pace& pace) { line.show(progress_text(run.name, now, pace)); },
          .note = [&](const std::string& text) { line.warn(run.name + ": " + text); }});
     if (!result.resumed) log.begin(run.name);
-    log.add(run.name, process_cpu_seconds() - start, !result.stopped);
+    log.add(run.name, seconds_spent(result, process_cpu_seconds() - start, log), !result.stopped);
     if (result.stopped) throw Stopped("stopped in " + run.name);
     run.data = std::move(result.data);
     line.report(outcome_line(*run.data));
@@ -140,7 +149,7 @@ void CostLog::write() const {
   std::string text = "run,CPU seconds,state\n";
   for (const auto& [name, entry] : entries_) {
     text += fmt::format(
-        "{},{:.6g},{}\n", name, entry.cpu_seconds, entry.finished ? "finished" : "stopped");
+        "{},{:.10g},{}\n", name, entry.cpu_seconds, entry.finished ? "finished" : "stopped");
   }
   io::safe_write(path_, text);
 }
