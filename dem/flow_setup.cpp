@@ -285,7 +285,9 @@ double unit_time(const Scene& scene) {
     return std::sqrt(d / cell->gravity);
   }
   if (const auto* box = std::get_if<SimpleShear>(&scene.geometry)) return 1.0 / box->shear_rate;
-  return scene.measurement.sample_interval;
+  if (const auto* shear = std::get_if<PlaneShear>(&scene.geometry)) return d / shear->velocity;
+  const double pressure = std::get<BodyForceBox>(scene.geometry).pressure;
+  return d * std::sqrt(scene.grains.density() / pressure);
 }
 
 }  // namespace grainlaw::dem

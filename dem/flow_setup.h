@@ -34,7 +34,8 @@ std::optional<RingBins> ring_bins(const Scene& scene);
 /// no dense flow is steady. Flows that are driven do neither.
 SteadyCriteria steady_criteria(const Scene& scene);
 
-/// What a run counts its settling and progress by: sqrt(d/g), or 1/shear rate [time].
+/// What a run counts its settling and progress by [time]: sqrt(d/g), 1/shear rate, d over the
+/// velocity of a wall, or d sqrt(rho_p/p).
 double unit_time(const Scene& scene);
 
 }  // namespace grainlaw::dem

@@ -75,8 +75,11 @@ Html show(const FigureGroup& group, const Pictures& pictures) {
 }
 
 Figures figures(const Report& report) {
-  Figures result{
-      .law = law_figures(report), .profiles = {}, .starts = {}, .time = time_figures(report)};
+  Figures result{.law = law_figures(report),
+                 .profiles = {},
+                 .starts = {},
+                 .time = time_figures(report),
+                 .series = report.series ? series_figures(*report.series) : FigureGroup{}};
   for (std::size_t k = 0; k < report.runs.size(); ++k) {
     result.profiles.push_back(profile_figures(report.runs[k], k + 1));
     result.starts.push_back(start_figures(report.runs[k], k + 1));
@@ -90,9 +93,9 @@ std::string page(const Report& report, const Figures& figures, const Pictures& p
                     law_section(report, figures.law, pictures) +
                     prediction_section(report, figures.profiles, pictures) +
                     start_section(report, figures.starts, pictures) + bagnold_section(report) +
-                    certificate_section(report) + time_section(report, figures.time, pictures) +
-                    cost_section(report) + health_section(report) + answer_section(report) +
-                    reading_section();
+                    series_section(report, figures.series, pictures) + certificate_section(report) +
+                    time_section(report, figures.time, pictures) + cost_section(report) +
+                    health_section(report) + answer_section(report) + reading_section();
   return "<!DOCTYPE html>\n<html lang=\"en\">\n" + head(report).markup + "<body>\n" + body.markup +
          "</body>\n</html>\n";
 }

@@ -7,6 +7,7 @@
 
 #include "calibration/bagnold_fit.h"
 #include "calibration/comparison.h"
+#include "calibration/contact_series.h"
 #include "calibration/mu_phi_fit.h"
 #include "continuum/chute_1d.h"
 #include "dem/local_data.h"
@@ -49,6 +50,19 @@ struct TimeErrorPoint {
   std::string failure;  ///< not empty: no fit was possible with this much data, and why
 };
 
+/// Contact lifetimes of one run of a series, to be drawn.
+struct LifetimeCurve {
+  std::string name;
+  std::string series;
+  dem::LifetimeStatistics statistics;
+};
+
+/// Chutes that differ in one property at a time: Xi beside the lifetimes of contacts.
+struct SeriesReport {
+  calibration::ContactSeries contacts;
+  std::vector<LifetimeCurve> curves;
+};
+
 struct StageCost {
   std::string stage;
   double wall_seconds = 0.0;
@@ -64,6 +78,7 @@ struct Report {
   std::optional<calibration::MuPhiFit> fit;  ///< absent when the table was given
   std::vector<RunComparison> runs;
   std::vector<TimeErrorPoint> error_against_time;
+  std::optional<SeriesReport> series;  ///< absent: no series was asked for
   std::vector<StageCost> costs;
   std::vector<std::string> warnings;
 };

@@ -38,6 +38,11 @@ json to_json(const continuum::Covariance&);
 json to_json(const continuum::EffectiveBase&);
 json to_json(const continuum::RheologyTable&);
 json to_json(const calibration::MuPhiFit&);
+json to_json(const calibration::ContactPoint&);
+json to_json(const calibration::RatioLaw&);
+json to_json(const calibration::StiffnessLaws&);
+json to_json(const calibration::RankCorrelation&);
+json to_json(const SeriesReport&);
 
 json to_json(const dem::Estimate& estimate) {
   return {{"value", estimate.value}, {"error", estimate.error}};
@@ -301,6 +306,47 @@ json to_json(const calibration::MuPhiFit& fit) {
           {"points", to_json(fit.points)}};
 }
 
+json to_json(const calibration::ContactPoint& point) {
+  return {{"name", point.name},
+          {"series", point.series},
+          {"stiffness", point.stiffness},
+          {"shear_rate", point.shear_rate},
+          {"Xi", to_json(std::vector(point.ratio.begin(), point.ratio.end()))},
+          {"scaled_mean", to_json(point.mean)},
+          {"scaled_mode", to_json(point.mode)},
+          {"scaled_long_lifetime", to_json(point.long_lifetime)},
+          {"collision_rate", to_json(point.collision_rate)},
+          {"coordination", to_json(point.coordination)},
+          {"contacts", point.contacts},
+          {"tail_sampled", point.tail_sampled}};
+}
+
+json to_json(const calibration::RatioLaw& law) {
+  return {{"factor", to_json(law.factor)},
+          {"rate", to_json(law.rate)},
+          {"left_out", law.summary.left_out}};
+}
+
+json to_json(const calibration::StiffnessLaws& laws) {
+  return {{"series", laws.series},
+          {"Xi", to_json(std::vector(laws.ratio.begin(), laws.ratio.end()))},
+          {"collision_rate", to_json(laws.collision_rate)},
+          {"mean_lifetime", to_json(laws.mean_lifetime)}};
+}
+
+json to_json(const calibration::RankCorrelation& correlation) {
+  return {{"with", correlation.with}, {"value", correlation.value}, {"runs", correlation.runs}};
+}
+
+json to_json(const SeriesReport& series) {
+  const calibration::ContactSeries& contacts = series.contacts;
+  return {{"points", to_json(contacts.points)},
+          {"stiffness", to_json(contacts.stiffness)},
+          {"lifetime_law", to_json(contacts.lifetime_law)},
+          {"rank_correlations", to_json(contacts.correlations)},
+          {"left_out", contacts.left_out}};
+}
+
 }  // namespace
 
 std::string report_json(const Report& report) {
@@ -313,6 +359,7 @@ std::string report_json(const Report& report) {
                          {"fit", to_json(report.fit)},
                          {"runs", to_json(report.runs)},
                          {"error_against_time", to_json(report.error_against_time)},
+                         {"series", to_json(report.series)},
                          {"costs", to_json(report.costs)}};
   // Names come from files: bytes that are no UTF-8 are replaced rather than refused.
   return document.dump(1, ' ', false, json::error_handler_t::replace) + "\n";

@@ -16,6 +16,7 @@ struct Figures {
   std::vector<FigureGroup> profiles;  ///< per run
   std::vector<FigureGroup> starts;    ///< per run
   FigureGroup time;
+  FigureGroup series;
 };
 Figures figures(const Report& report);
 
@@ -38,6 +39,8 @@ Html start_section(const Report& report,
                    const std::vector<FigureGroup>& groups,
                    const Pictures& pictures);
 Html bagnold_section(const Report& report);
+/// Empty without series.
+Html series_section(const Report& report, const FigureGroup& group, const Pictures& pictures);
 Html certificate_section(const Report& report);
 Html time_section(const Report& report, const FigureGroup& group, const Pictures& pictures);
 Html cost_section(const Report& report);

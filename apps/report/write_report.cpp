@@ -40,6 +40,7 @@ std::vector<const FigureGroup*> all_groups(const Figures& figures) {
   for (const FigureGroup& group : figures.profiles) groups.push_back(&group);
   for (const FigureGroup& group : figures.starts) groups.push_back(&group);
   groups.push_back(&figures.time);
+  groups.push_back(&figures.series);
   return groups;
 }
 

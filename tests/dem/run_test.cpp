@@ -52,6 +52,16 @@ TEST(Run, StressesOfAFlowingChuteCarryItsWeight) {
   EXPECT_LT(data.summary.largest_overlap, 0.3);
 }
 
+TEST(Run, RestitutionIsProbedAtTheSpeedOfTheFlowAndNotStoppedByTheGuardOfTheScene) {
+  Scene scene = small_plane_shear(20.0);
+  std::get<PlaneShear>(scene.geometry).velocity = 60.0;  // would press 0.3 d into each other
+  scene.measurement.time_limit = 0.02;                   // it is not the run that is asked about
+  scene.measurement.averaging_time = 0.02;
+  scene.measurement.sample_interval = 2e-3;
+  scene.measurement.frame_interval = 4e-3;
+  EXPECT_NEAR(run(scene).summary.restitution, soft.restitution(0.5), 1e-3);
+}
+
 TEST(Run, BlockVelocitiesAverageToTheRows) {
   const LocalData data = run(flowing_chute());
   const auto blocks = block_velocities(data);

@@ -1,0 +1,143 @@
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "apps/report/numbers.h"
+#include "apps/report/sections.h"
+
+namespace grainlaw::report {
+namespace {
+
+using calibration::ContactPoint;
+using calibration::FittedCoefficient;
+
+Html with_interval(const FittedCoefficient& c) {
+  if (!std::isfinite(c.value)) return text("–");
+  return text(fmt::format("{} [{}, {}]",
+                          with_error({.value = c.value, .error = c.error}),
+                          significant(c.interval.lower, 2),
+                          significant(c.interval.upper, 2)));
+}
+
+Table points_table(const calibration::ContactSeries& contacts) {
+  Table result{
+      .caption =
+          "Runs in series. <i>Ξ</i> = <i>b</i>/(<i>a</i> <i>γ̇</i>) with 95 %; lifetimes of "
+          "contacts scaled with the shear rate <i>γ̇</i> of the slice; <i>N<sub>c</sub></i>: "
+          "contacts that begin, per grain and √(<i>d</i>/<i>g</i>); <i>Z</i> = "
+          "<i>N<sub>c</sub></i> times the mean lifetime."_html,
+      .head = {"Series"_html,
+               "Run"_html,
+               "<i>k<sub>n</sub>d</i>/(<i>mg</i>)"_html,
+               "<i>Ξ</i>(<i>h</i>/4)"_html,
+               "<i>Ξ</i>(<i>h</i>/2)"_html,
+               "<i>Ξ</i>(3<i>h</i>/4)"_html,
+               "<i>γ̇ t</i><sub>mean</sub>"_html,
+               "<i>γ̇ t</i><sub>mode</sub>"_html,
+               "<i>γ̇ τ<sub>l</sub></i>"_html,
+               "<i>N<sub>c</sub></i>"_html,
+               "<i>Z</i>"_html},
+      .rows = {},
+      .text_columns = 2};
+  for (const ContactPoint& point : contacts.points) {
+    result.rows.push_back(
+        {text(point.series),
+         text(point.name),
+         text(significant(point.stiffness, 3)),
+         with_interval(point.ratio[0]),
+         with_interval(point.ratio[1]),
+         with_interval(point.ratio[2]),
+         text(with_error(point.mean)),
+         text(with_error(point.mode)),
+         text(point.tail_sampled ? with_error(point.long_lifetime) : "tail not sampled"),
+         text(with_error(point.collision_rate)),
+         text(with_error(point.coordination))});
+  }
+  return result;
+}
+
+void add_law(Table& result,
+             const std::string& series,
+             const char* law,
+             const std::optional<calibration::RatioLaw>& fit,
+             const char* published) {
+  if (!fit) return;
+  result.rows.push_back({text(series),
+                         Html{law},
+                         with_interval(fit->factor),
+                         with_interval(fit->rate),
+                         text(published)});
+}
+
+Table law_table(const calibration::ContactSeries& contacts) {
+  Table result{
+      .caption =
+          "Laws across the runs, coefficients with 95 %; the last column: Brewster "
+          "et al. (2008), eqs. 11 and 14, figs. 3 and 7."_html,
+      .head = {"Series"_html, "Law"_html, "Factor"_html, "Exponent or rate"_html, "Published"_html},
+      .rows = {},
+      .text_columns = 2};
+  for (const calibration::StiffnessLaws& laws : contacts.stiffness) {
+    const std::array symbols{"<i>Ξ</i>(<i>h</i>/4) = <i>J k<sup>α</sup></i>",
+                             "<i>Ξ</i>(<i>h</i>/2) = <i>J k<sup>α</sup></i>",
+                             "<i>Ξ</i>(3<i>h</i>/4) = <i>J k<sup>α</sup></i>"};
+    for (std::size_t k = 0; k < symbols.size(); ++k) {
+      add_law(result, laws.series, symbols[k], laws.ratio[k], "1.25 × 10⁵, −1.3");
+    }
+    add_law(result,
+            laws.series,
+            "<i>N<sub>c</sub></i> ∝ <i>k<sup>α</sup></i>",
+            laws.collision_rate,
+            "0.25");
+    add_law(result,
+            laws.series,
+            "<i>t</i><sub>mean</sub> ∝ <i>k<sup>α</sup></i>",
+            laws.mean_lifetime,
+            "−0.5");
+  }
+  add_law(result,
+          "all",
+          "<i>Ξ</i> = <i>c</i><sub>1</sub> exp(<i>c</i><sub>2</sub> <i>γ̇ "
+          "τ<sub>l</sub></i>)",
+          contacts.lifetime_law,
+          "0.03, 4.9");
+  return result;
+}
+
+Html correlations(const calibration::ContactSeries& contacts) {
+  std::string sentence = "Rank correlation of Xi at half height over all runs: ";
+  for (const calibration::RankCorrelation& one : contacts.correlations) {
+    if (&one != &contacts.correlations.front()) sentence += ", ";
+    sentence += fmt::format("{} with {}", significant(one.value, 2), one.with);
+  }
+  return paragraph(text(
+      sentence + fmt::format(" ({} runs).",
+                             contacts.correlations.empty() ? 0 : contacts.correlations[0].runs)));
+}
+
+Html left_out(const calibration::ContactSeries& contacts) {
+  std::vector<Html> items;
+  for (const std::string& sentence : contacts.left_out) items.push_back(text(sentence));
+  const auto add = [&](const std::optional<calibration::RatioLaw>& law) {
+    if (!law) return;
+    for (const std::string& sentence : law->summary.left_out) items.push_back(text(sentence));
+  };
+  for (const calibration::StiffnessLaws& laws : contacts.stiffness) add(laws.ratio[1]);
+  add(contacts.lifetime_law);
+  return items.empty() ? Html{} : "<h3>Left out</h3>\n"_html + list(items);
+}
+
+}  // namespace
+
+Html series_section(const Report& report, const FigureGroup& group, const Pictures& pictures) {
+  if (!report.series) return {};
+  const calibration::ContactSeries& contacts = report.series->contacts;
+  Html content = table(points_table(contacts)) + show(group, pictures);
+  const Table laws = law_table(contacts);
+  if (!laws.rows.empty()) content += table(laws);
+  return section("series",
+                 "Series: the linear stress and how long contacts last"_html,
+                 content + correlations(contacts) + left_out(contacts));
+}
+
+}  // namespace grainlaw::report
