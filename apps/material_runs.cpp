@@ -48,6 +48,10 @@ std::vector<Level> levels(std::vector<const StatePoint*> points, bool of_inertia
       result.push_back({.softness = p, .inertial_number = I, .points = {point}});
     }
   }
+  std::sort(result.begin(), result.end(), [](const Level& one, const Level& other) {
+    return same(one.softness, other.softness) ? one.inertial_number < other.inertial_number
+                                              : one.softness < other.softness;
+  });
   return result;
 }
 

@@ -34,6 +34,16 @@ const Series& style(std::size_t k) {
   return series[k % series.size()];
 }
 
+/// One plot command over several lines.
+std::string plot_of(const std::vector<std::string>& parts) {
+  std::string command = "plot ";
+  for (const std::string& part : parts) {
+    if (&part != &parts.front()) command += ", \\\n     ";
+    command += part;
+  }
+  return command + "\n";
+}
+
 /// How far two states are apart, in factors; Bo does not count.
 double distance(const State& one, const State& other, bool of_inertia_too) {
   double sum = std::abs(std::log(one.softness / other.softness));
@@ -246,13 +256,13 @@ std::string law_parts(const MaterialReport& material, const Plot& plot) {
     parts.push_back(fmt::format("keyentry with lines lw 0.6 dt (1,2) lc rgb 'black' title '{}'",
                                 plot_text(material.reference_name)));
   }
-  return fmt::format("plot {}\n", fmt::join(parts, ", \\\n     "));
+  return plot_of(parts);
 }
 
 /// Room for a key of two rows.
 std::string head(const std::string& name) {
   return plot_head(name, law_size) + fmt::format(
-                                         "set tmargin at screen {:.3f}\nset samplen 2.4\n"
+                                         "set tmargin at screen {:.3f}\n"
                                          "set key width 0 samplen 2.4\n",
                                          1.0 - 70.0 / law_size.height);
 }
@@ -270,6 +280,7 @@ continuum::Range inertia_range(const MaterialReport& material) {
 std::string inertia_axis(const MaterialReport& material) {
   const continuum::Range range = inertia_range(material);
   return "set logscale x\n" + log_axis('x', range.lower, range.upper) +
+         "set xtics (0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5)\n"
          "set xlabel '{/:Italic I}'\n";
 }
 
@@ -446,7 +457,7 @@ void add_cost_figure(const MaterialReport& material, bool friction, FigureGroup&
        .script = head(name) + cost_axes(csv) +
                  "set xlabel 'DEM wall time of all fitted runs [s]'\n"
                  "set ylabel 'relative standard error'\n" +
-                 fmt::format("plot {}\n", fmt::join(parts, ", \\\n     ")),
+                 plot_of(parts),
        .label = "Error of every coefficient against DEM run time",
        .caption = friction
                       ? "Coefficients of the friction law against DEM time: all runs with 1/16 to "

@@ -154,8 +154,8 @@ Table point_table(const MaterialReport& material) {
     const calibration::StatePoint& point = material.points[i];
     const LawValue left = residual(material, point);
     result.rows.push_back({text(point.name),
-                           text(with_error(point.inertial_number)),
-                           text(with_error(point.softness)),
+                           text(significant(point.inertial_number.value, 4)),
+                           text(significant(point.softness.value, 4)),
                            text(significant(point.bond_number.value, 3)),
                            text(with_error(point.friction)),
                            text(fixed(left.friction, 1)),
@@ -168,12 +168,13 @@ Table point_table(const MaterialReport& material) {
 }
 
 /// The coefficient that is known worse by most without the run.
-std::string most_for(const LawInformation& information, const RunInformation& run) {
+Html most_for(const LawInformation& information, const RunInformation& run) {
   const auto largest = std::max_element(run.error_increase.begin(), run.error_increase.end());
-  if (largest == run.error_increase.end()) return "–";
+  if (largest == run.error_increase.end()) return text("–");
   const auto k = static_cast<std::size_t>(largest - run.error_increase.begin());
-  if (!std::isfinite(*largest)) return information.coefficients[k] + ", unknown without it";
-  return fmt::format("{}, +{} %", information.coefficients[k], fixed(100.0 * *largest, 1));
+  const Html name = coefficient_symbol(information.coefficients[k]);
+  if (!std::isfinite(*largest)) return name + text(", unknown without it");
+  return name + text(fmt::format(": +{} %", fixed(100.0 * *largest, 1)));
 }
 
 Table information_table(const Html& law, const LawInformation& information) {
@@ -186,7 +187,7 @@ Table information_table(const Html& law, const LawInformation& information) {
                         "Wall time"_html,
                         "Gain"_html,
                         "Gain per 1000 s"_html,
-                        "Coefficient it tells most of, its error without the run"_html},
+                        "Error without it, largest"_html},
                .rows = {},
                .text_columns = 1};
   for (std::size_t i = 0; i < std::min(most_rows, information.runs.size()); ++i) {
@@ -196,7 +197,7 @@ Table information_table(const Html& law, const LawInformation& information) {
                            text(run.wall_seconds > 0.0 ? duration(run.wall_seconds) : "–"),
                            text(significant(run.gain, 3)),
                            text(significant(1000.0 * run.gain_per_second, 3)),
-                           text(most_for(information, run))});
+                           most_for(information, run)});
   }
   if (information.runs.size() > most_rows) {
     result.rows.push_back(
