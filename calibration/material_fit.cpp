@@ -115,9 +115,13 @@ void add_derived(const FittableLaw& law,
   const SolvedLaw fit = solve_law(law, data, linear);
   const int k = fit.unknown(friction_slot::cohesion);
   if (!fit.minimum.converged) return;
+  const double alpha = fit.minimum.values[static_cast<std::size_t>(k)];
+  const double error = std::sqrt(fit.uncertainty.covariance(k, k));
+  const double half = error * std::sqrt(fit.rise() / fit.scatter);
   summary.derived.push_back({.name = "alpha (linear in Bo)",
-                             .value = fit.minimum.values[static_cast<std::size_t>(k)],
-                             .error = std::sqrt(fit.uncertainty.covariance(k, k))});
+                             .value = alpha,
+                             .error = error,
+                             .interval = {.lower = alpha - half, .upper = alpha + half}});
 }
 
 std::optional<continuum::Range> spread(const std::vector<LawDatum>& data, double State::*variable) {
