@@ -1,13 +1,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
 #include "apps/report/figure.h"
 #include "apps/report/material_law.h"
-#include "apps/report/numbers.h"
+#include "apps/report/material_plot.h"
 
 namespace grainlaw::report {
 namespace {
@@ -16,33 +15,6 @@ using calibration::State;
 using calibration::StatePoint;
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-constexpr PlotSize law_size{.width = 520, .height = 380};
-constexpr const char* points_file = "material_points.csv";
-
-/// Lines that differ in mark, dash and colour, so that a figure can be read without its colours.
-struct Series {
-  int filled, hollow;  // gnuplot point types
-  std::string_view dash, colour;
-};
-constexpr std::array<Series, 6> series = {{{7, 6, "1", colour::measured},
-                                           {5, 4, "(12,4)", colour::predicted},
-                                           {9, 8, "(6,3,2,3)", colour::third},
-                                           {13, 12, "(2,3)", colour::fourth},
-                                           {11, 10, "(12,3,2,3,2,3)", colour::band},
-                                           {15, 14, "(6,6)", "black"}}};
-const Series& style(std::size_t k) {
-  return series[k % series.size()];
-}
-
-/// One plot command over several lines.
-std::string plot_of(const std::vector<std::string>& parts) {
-  std::string command = "plot ";
-  for (const std::string& part : parts) {
-    if (&part != &parts.front()) command += ", \\\n     ";
-    command += part;
-  }
-  return command + "\n";
-}
 
 /// How far two states are apart, in factors; Bo does not count.
 double distance(const State& one, const State& other, bool of_inertia_too) {
@@ -206,15 +178,15 @@ std::string points_part(const Plot& plot, std::size_t k, bool used) {
       plot.along_cohesion ? "" : ":\"I error\"",
       plot.column,
       plot.along_cohesion ? "yerrorbars" : "xyerrorbars",
-      used ? style(k).filled : style(k).hollow,
-      style(k).colour);
+      used ? material_series(k).filled : material_series(k).hollow,
+      material_series(k).colour);
 }
 
 std::string law_parts(const MaterialReport& material, const Plot& plot) {
   std::vector<std::string> parts;
   const std::vector<LawLine>& lines = lines_of(material, plot);
   for (std::size_t k = 0; k < lines.size(); ++k) {
-    const Series& look = style(k);
+    const MaterialSeries& look = material_series(k);
     const std::string file = line_file(plot, k);
     if (lines[k].band) {
       parts.push_back(
@@ -259,36 +231,11 @@ std::string law_parts(const MaterialReport& material, const Plot& plot) {
   return plot_of(parts);
 }
 
-/// Room for a key of two rows.
-std::string head(const std::string& name) {
-  return plot_head(name, law_size) + fmt::format(
-                                         "set tmargin at screen {:.3f}\n"
-                                         "set key width 0 samplen 2.4\n",
-                                         1.0 - 70.0 / law_size.height);
-}
-
-continuum::Range inertia_range(const MaterialReport& material) {
-  continuum::Range range{1e300, 0.0};
-  for (const StatePoint& point : material.points) {
-    if (!(point.inertial_number.value > 0.0)) continue;
-    range.lower = std::min(range.lower, point.inertial_number.value);
-    range.upper = std::max(range.upper, point.inertial_number.value);
-  }
-  return {0.8 * range.lower, 1.25 * range.upper};
-}
-
-std::string inertia_axis(const MaterialReport& material) {
-  const continuum::Range range = inertia_range(material);
-  return "set logscale x\n" + log_axis('x', range.lower, range.upper) +
-         "set xtics (0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5)\n"
-         "set xlabel '{/:Italic I}'\n";
-}
-
 Figure law_figure(const MaterialReport& material,
                   const Plot& plot,
                   const std::string& label,
                   const Html& caption) {
-  std::string script = head(plot.name);
+  std::string script = material_head(plot.name);
   script += plot.along_cohesion
                 ? "set xlabel 'Bo'\nset xrange [0:*]\nset offsets graph 0.02, "
                   "graph 0.03, graph 0.05, graph 0.05\n"
@@ -359,112 +306,6 @@ FigureGroup cohesion_group(const MaterialReport& material) {
   return group;
 }
 
-std::string residual_part(
-    const char* quantity, bool used, int shape, std::string_view colour, const std::string& title) {
-  return fmt::format(
-      "'{0}' using (column(\"{1} weight\") {2} 0 ? column(\"I\") : NaN):\"{1} residual\" with "
-      "points pt {3} ps 0.6 lc rgb '{4}' {5}",
-      points_file,
-      quantity,
-      used ? ">" : "==",
-      shape,
-      colour,
-      title.empty() ? "notitle" : "title '" + title + "'");
-}
-
-Figure residual_figure(const MaterialReport& material) {
-  std::string script = head("material_residuals") + inertia_axis(material);
-  script += "set ylabel '(measured − law) / s.e.'\nset offsets 0, 0, graph 0.05, graph 0.05\n";
-  script += fmt::format(
-      "plot 0 with lines lw 0.8 lc rgb 'black' notitle, \\\n"
-      "     2 with lines lw 0.8 dt (2,3) lc rgb 'black' title '± 2 s.e.', \\\n"
-      "     -2 with lines lw 0.8 dt (2,3) lc rgb 'black' notitle, \\\n     {}, \\\n     {}, "
-      "\\\n     {}, \\\n     {}\n",
-      residual_part("mu", true, 7, colour::measured, "{/:Italic μ}"),
-      residual_part("mu", false, 6, colour::measured, ""),
-      residual_part("phi", true, 5, colour::predicted, "{/:Italic φ}"),
-      residual_part("phi", false, 4, colour::predicted, "not fitted: hollow"));
-  return {.name = "material_residuals",
-          .script = script,
-          .label = "Residuals of both laws in standard errors, against inertial number",
-          .caption =
-              "What the laws leave of every point, in standard errors of the measured "
-              "value. Points far outside ± 2 are missed by the law, not by chance"_html};
-}
-
-std::string plain_name(const std::string& coefficient) {
-  std::string result = coefficient;
-  std::replace(result.begin(), result.end(), '_', ' ');
-  return plot_text(result);
-}
-
-Csv cost_csv(const MaterialReport& material, bool friction) {
-  const calibration::FitSummary& fit =
-      friction ? material.fit.friction : material.fit.volume_fraction;
-  Csv csv{.columns = {"DEM wall time [s]"}, .rows = {}};
-  for (const auto& c : fit.coefficients) csv.columns.push_back(plain_name(c.name));
-  for (const calibration::CostPoint& point : material.cost) {
-    const auto& values = friction ? point.friction : point.volume_fraction;
-    if (values.size() != fit.coefficients.size()) continue;
-    std::vector<double>& row = csv.rows.emplace_back();
-    row.push_back(point.dem_wall_seconds);
-    for (const dem::Estimate& value : values) {
-      const double relative = std::abs(value.error / value.value);
-      row.push_back(relative > 0.0 ? relative : nan);
-    }
-  }
-  return csv;
-}
-
-std::string cost_axes(const Csv& csv) {
-  double low = 1e300, high = 0.0, at_start = 0.0;
-  for (const std::vector<double>& row : csv.rows) {
-    for (std::size_t k = 1; k < row.size(); ++k) {
-      low = std::fmin(low, row[k]);
-      high = std::fmax(high, row[k]);
-    }
-  }
-  for (std::size_t k = 1; k < csv.columns.size(); ++k) {
-    at_start = std::fmax(at_start, csv.rows.front()[k]);
-  }
-  return "set logscale xy\n" + log_axis('x', 0.85 * csv.rows.front()[0], 1.2 * csv.rows.back()[0]) +
-         log_axis('y', 0.6 * low, 1.8 * high) +
-         fmt::format("guide(x) = {:.6g} / sqrt(x)\n", at_start * std::sqrt(csv.rows.front()[0]));
-}
-
-void add_cost_figure(const MaterialReport& material, bool friction, FigureGroup& group) {
-  const Csv csv = cost_csv(material, friction);
-  if (csv.rows.size() < 2) return;
-  const std::string name = friction ? "material_cost_mu" : "material_cost_phi";
-  std::vector<std::string> parts = {
-      fmt::format("guide(x) with lines lw 1 dt (2,4) lc rgb '{}' title 'slope −½'", colour::band)};
-  for (std::size_t k = 1; k < csv.columns.size(); ++k) {
-    const Series& look = style(k - 1);
-    parts.push_back(
-        fmt::format("'{}.csv' using \"{}\":\"{}\" with linespoints lw 1.2 dt {} pt {} "
-                    "ps 0.6 lc rgb '{}' title '{}'",
-                    name,
-                    csv.columns[0],
-                    csv.columns[k],
-                    look.dash,
-                    k > series.size() ? look.hollow : look.filled,
-                    look.colour,
-                    csv.columns[k]));
-  }
-  group.data[name + ".csv"] = csv;
-  group.figures.push_back(
-      {.name = name,
-       .script = head(name) + cost_axes(csv) +
-                 "set xlabel 'DEM wall time of all fitted runs [s]'\n"
-                 "set ylabel 'relative standard error'\n" +
-                 plot_of(parts),
-       .label = "Error of every coefficient against DEM run time",
-       .caption = friction
-                      ? "Coefficients of the friction law against DEM time: all runs with 1/16 to "
-                        "all of their averaging time, start-up included"_html
-                      : "The same of the volume fraction law"_html});
-}
-
 }  // namespace
 
 std::vector<FigureGroup> material_figures(const MaterialReport& material) {
@@ -473,8 +314,7 @@ std::vector<FigureGroup> material_figures(const MaterialReport& material) {
   FigureGroup& rest = groups.emplace_back();
   rest.figures.push_back(residual_figure(material));
   FigureGroup& cost = groups.emplace_back();
-  add_cost_figure(material, true, cost);
-  add_cost_figure(material, false, cost);
+  add_cost_figures(material, cost);
   return groups;
 }
 
