@@ -50,7 +50,7 @@ void add_lines(Summary& summary, const report::ContactFrictionReport& result) {
                             curve.interpolation_error));
   }
   if (result.curves.left_out.empty()) return;
-  summary.add("left_out", "left out", fmt::format("{}", fmt::join(result.curves.left_out, "; ")));
+  summary.add("left_out", "left out", result.curves.left_out);
 }
 
 }  // namespace

@@ -124,7 +124,9 @@ FigureGroup contact_friction_figures(const ContactFrictionReport& report) {
 Html contact_friction_section(const ContactFrictionReport& report,
                               const FigureGroup& group,
                               const Pictures& pictures) {
-  Html content = paragraph(text(fmt::format("Tables: {}.", fmt::join(report.table_names, ", "))));
+  std::vector<Html> names;
+  for (const std::string& name : report.table_names) names.push_back(text(name));
+  Html content = paragraph("Tables: "_html + join(names, ", "_html) + "."_html);
   content += table(curve_table(report));
   std::vector<Html> items;
   for (const std::string& sentence : report.curves.left_out) items.push_back(text(sentence));
