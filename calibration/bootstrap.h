@@ -27,6 +27,9 @@ struct BootstrapBand {
 /// into a series of `length`, as many as it is long.
 std::vector<std::size_t> moving_blocks(std::size_t length, std::size_t block, std::uint64_t seed);
 
+/// The value below which a share of the values lies, linear between them.
+double quantile(std::vector<double> values, double share);
+
 /// The same run with its steady frames resampled in moving blocks as long as its independent ones;
 /// rows are averaged anew. Throws FitError for a run without frames.
 dem::LocalData resample(const dem::LocalData& run, std::uint64_t seed);

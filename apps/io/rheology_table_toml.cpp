@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "apps/io/safe_write.h"
 
@@ -50,12 +51,12 @@ InertialFriction read_friction(InputFile& in) {
   const auto beta = section.find<double>({"beta", "slope at I = 0", {}, not_negative});
   const auto mu_inf = section.find<double>({"mu_inf", "friction at large I", {}, not_negative});
   section.exactly_one_of({"beta", "mu_inf"});
-  const auto kappa = section.find<double>({"kappa", "curvature", {}, not_negative});
+  const auto kappa =
+      section.find<double>({"kappa", "curvature, with beta", {}, not_negative}, "0: a line");
   const auto I_mu = section.find<double>(
       {"I_mu", "I of half the rise to mu_inf (Shi et al. 2020, eq. 1A)", {}, positive});
-  section.exactly_one_of({"kappa", "I_mu"});
-  if (beta.has_value() != kappa.has_value() && mu_inf.has_value() != I_mu.has_value()) {
-    section.problem("", "give beta with kappa, or mu_inf with I_mu");
+  if (mu_inf.has_value() != I_mu.has_value() || (mu_inf && kappa)) {
+    section.problem("", "give beta, with kappa where the law is curved, or mu_inf with I_mu");
   }
   if (!mu_inf || !I_mu) {
     law.beta = beta.value_or(0.0);
@@ -102,7 +103,8 @@ InertialVolumeFraction read_volume_fraction(InputFile& in) {
   Section section = in.section("law.volume_fraction", "phi(I) = phi0 (1 - I/I_phi)");
   return {
       section.read<double>({"phi0", "at I = 0, p* = 0", {}, volume_fraction_bounds}),
-      section.read<double>({"I_phi", "inf: phi does not depend on I", {}, positive_or_infinite})};
+      section.read_or<double>({"I_phi", "inf: phi does not depend on I", {}, positive_or_infinite},
+                              std::numeric_limits<double>::infinity())};
 }
 
 void read_volume_fraction_terms(InputFile& in, MuPhi& law) {
@@ -116,9 +118,9 @@ void read_volume_fraction_terms(InputFile& in, MuPhi& law) {
                                          "g_c = 1 + p1 Bo + p2 Bo^2 + p3 Bo^3 + p4 Bo^4");
   if (cohesion.given()) {
     law.cohesion_volume_fraction = {cohesion.read<double>({"p1", "(Shi et al. 2020, eq. 15)"}),
-                                    cohesion.read<double>({"p2", "likewise"}),
-                                    cohesion.read<double>({"p3", "likewise"}),
-                                    cohesion.read<double>({"p4", "likewise"})};
+                                    cohesion.read_or<double>({"p2", "likewise"}, 0.0),
+                                    cohesion.read_or<double>({"p3", "likewise"}, 0.0),
+                                    cohesion.read_or<double>({"p4", "likewise"}, 0.0)};
   }
 }
 

@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "apps/io/rheology_table_toml.h"
@@ -70,11 +72,35 @@ void write_law(TomlText& out, const GeneralisedBagnold& law) {
   }
 }
 
-void write_friction(TomlText& out, const MuPhi& law) {
+/// A term the law has, though it may be zero.
+bool covers(const std::optional<Covariance>& covariance, const std::string& name) {
+  if (!covariance) return false;
+  const auto& names = covariance->names;
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+/// Powers of Bo up to the last that is there.
+void write_cohesion(TomlText& out,
+                    const CohesionVolumeFraction& law,
+                    const std::optional<Covariance>& covariance) {
+  const std::array<double, 4> powers{law.p1, law.p2, law.p3, law.p4};
+  std::size_t count = powers.size();
+  const auto name = [](std::size_t k) { return fmt::format("p{}", k + 1); };
+  while (count > 1 && powers[count - 1] == 0.0 && !covers(covariance, name(count - 1))) --count;
+  out.section("law.cohesion_volume_fraction");
+  for (std::size_t k = 0; k < count; ++k) {
+    out.line(name(k), powers[k], k == 0 ? "g_c = 1 + p1 Bo + p2 Bo^2 + ..." : "");
+  }
+}
+
+void write_friction(TomlText& out, const MuPhi& law, const std::optional<Covariance>& covariance) {
   out.section("law.friction");
-  out.line("mu0", law.friction.mu0, "mu(I) = mu0 + beta I/(1 + kappa I)");
+  const bool curved = law.friction.kappa != 0.0 || covers(covariance, "kappa");
+  out.line("mu0",
+           law.friction.mu0,
+           curved ? "mu(I) = mu0 + beta I/(1 + kappa I)" : "mu(I) = mu0 + beta I");
   out.line("beta", law.friction.beta);
-  out.line("kappa", law.friction.kappa);
+  if (curved) out.line("kappa", law.friction.kappa);
   if (law.friction.exponent) out.line("exponent", *law.friction.exponent, "I^exponent for I");
   if (const auto& softness = law.softness_friction) {
     out.section("law.softness_friction");
@@ -95,36 +121,35 @@ void write_friction(TomlText& out, const MuPhi& law) {
   }
 }
 
-void write_volume_fraction(TomlText& out, const MuPhi& law) {
+void write_volume_fraction(TomlText& out,
+                           const MuPhi& law,
+                           const std::optional<Covariance>& covariance) {
+  const bool varies = std::isfinite(law.volume_fraction.I_phi);
   out.section("law.volume_fraction");
-  out.line("phi0", law.volume_fraction.phi0, "phi(I) = phi0 (1 - I/I_phi)");
-  out.line("I_phi", law.volume_fraction.I_phi);
+  out.line("phi0", law.volume_fraction.phi0, varies ? "phi(I) = phi0 (1 - I/I_phi)" : "");
+  if (varies) out.line("I_phi", law.volume_fraction.I_phi);
   if (const auto& softness = law.softness_volume_fraction) {
     out.section("law.softness_volume_fraction");
     out.line("p_phi", softness->p_phi, "g_p = 1 + (1 + Bo) p*/p_phi");
   }
   if (const auto& cohesion = law.cohesion_volume_fraction) {
-    out.section("law.cohesion_volume_fraction");
-    out.line("p1", cohesion->p1, "g_c = 1 + p1 Bo + p2 Bo^2 + p3 Bo^3 + p4 Bo^4");
-    out.line("p2", cohesion->p2);
-    out.line("p3", cohesion->p3);
-    out.line("p4", cohesion->p4);
+    write_cohesion(out, *cohesion, covariance);
   }
 }
 
-void write_law(TomlText& out, const GeneralisedBagnold& law, bool) {
+void write_law(TomlText& out, const GeneralisedBagnold& law, const RheologyTable&) {
   write_law(out, law);
 }
 
-void write_law(TomlText& out, const MuPhi& law, bool has_friction) {
+void write_law(TomlText& out, const MuPhi& law, const RheologyTable& table) {
   out.section("law");
-  if (has_friction) {
+  if (table.has_friction) {
     out.line("closure", in_quotes("mu_phi"), "mu(I, p*, Bo) and phi(I, p*, Bo)");
-    write_friction(out, law);
+    write_friction(out, law, table.covariance);
   } else {
     out.line("closure", in_quotes("phi"), "phi(I, p*, Bo) only: no flow follows");
   }
-  write_volume_fraction(out, law);
+  write_volume_fraction(out, law, table.covariance);
 }
 
 void write_covariance(TomlText& out, const Covariance& covariance) {
@@ -169,7 +194,7 @@ std::string to_toml(const RheologyTable& table) {
   TomlText out("# Rheology table of grainlaw. Sections and keys: docs/formats.md.\n");
   out.line("units", in_quotes(table.units));
   out.line("contact_friction", table.contact_friction, "mu_p");
-  std::visit([&](const auto& law) { write_law(out, law, table.has_friction); }, table.law);
+  std::visit([&](const auto& law) { write_law(out, law, table); }, table.law);
   if (table.base) {
     out.section("base");
     out.line("no_slip_height", table.base->no_slip_height, "grain diameters");

@@ -129,9 +129,10 @@ Html left_out(const calibration::ContactSeries& contacts) {
 
 }  // namespace
 
-Html series_section(const Report& report, const FigureGroup& group, const Pictures& pictures) {
-  if (!report.series) return {};
-  const calibration::ContactSeries& contacts = report.series->contacts;
+Html series_section(const SeriesReport& series,
+                    const FigureGroup& group,
+                    const Pictures& pictures) {
+  const calibration::ContactSeries& contacts = series.contacts;
   Html content = table(points_table(contacts)) + show(group, pictures);
   const Table laws = law_table(contacts);
   if (!laws.rows.empty()) content += table(laws);

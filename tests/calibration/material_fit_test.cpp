@@ -281,5 +281,77 @@ TEST(MaterialFit, HundredThousandPointsAreFittedAsWell) {
   expect_within_errors(fit.friction["p_mu"], frictional.softness_friction->p_mu);
 }
 
+/// Cohesionless states, six runs of each, whose errors of mu and phi are correlated. Three values
+/// of I: enough for mu0 and beta, phi0 and I_phi, and no term more.
+std::vector<StatePoint> correlated_states(double correlation, std::mt19937_64& random) {
+  std::normal_distribution<double> normal;
+  const auto exact =
+      states(frictional,
+             {.inertial_numbers = {0.02, 0.1, 0.2}, .softnesses = {0.01}, .bond_numbers = {0}});
+  std::vector<StatePoint> points;
+  for (int run = 0; run < 6; ++run) {
+    for (StatePoint point : exact) {
+      const double one = normal(random);
+      const double other =
+          correlation * one + std::sqrt(1.0 - correlation * correlation) * normal(random);
+      point.friction = {point.friction.value + 0.004 * one, 0.004};
+      point.volume_fraction = {point.volume_fraction.value + 0.001 * other, 0.001};
+      point.correlation = correlation;
+      points.push_back(point);
+    }
+  }
+  return points;
+}
+
+TEST(MaterialFit, CoefficientsOfBothLawsAreCorrelatedAsTheirDataAre) {
+  constexpr int replicates = 400;
+  constexpr double correlation = 0.8;
+  std::mt19937_64 random(7);
+  double claimed = 0.0;
+  std::array<double, 5> sums{};  // x, y, xx, yy, xy of mu0 and phi0
+  for (int r = 0; r < replicates; ++r) {
+    const MaterialFit fit = fit_material(correlated_states(correlation, random));
+    const continuum::Covariance& c = *fit.table.covariance;
+    const auto place = [&](const char* name) {
+      return static_cast<std::size_t>(std::find(c.names.begin(), c.names.end(), name) -
+                                      c.names.begin());
+    };
+    const std::size_t i = place("mu0"), j = place("phi0");
+    claimed += c(i, j) / std::sqrt(c(i, i) * c(j, j)) / replicates;
+    const double x = law_of(fit).friction.mu0;
+    const double y = law_of(fit).volume_fraction.phi0;
+    const std::array<double, 5> terms{x, y, x * x, y * y, x * y};
+    for (std::size_t k = 0; k < 5; ++k) sums[k] += terms[k] / replicates;
+  }
+  const double found = (sums[4] - sums[0] * sums[1]) /
+                       std::sqrt((sums[2] - sums[0] * sums[0]) * (sums[3] - sums[1] * sums[1]));
+  // Same points, same weights: the correlation of the data. Scatter (1 - r^2)/sqrt(400), four.
+  EXPECT_NEAR(found, claimed, 4.0 * (1.0 - correlation * correlation) / 20.0);
+  EXPECT_GT(claimed, 0.7);
+}
+
+TEST(MaterialFit, RunHeldAtTheEdgeOfTheRangeIsInside) {
+  StateGrid edge = cohesionless;
+  edge.softnesses = {0.0025, 0.03};
+  std::vector<StatePoint> points = states(frictional, edge);
+  for (StatePoint& point : points) {
+    if (point.softness.value < 0.03) continue;
+    point.softness = {0.03001, 1e-5};  // an error above the bound
+  }
+  const MaterialFit fit = fit_material(points);
+  EXPECT_FALSE(mentions(fit.volume_fraction.left_out, "is above 0.03"));
+}
+
+TEST(MaterialFit, PointThatIsNoStateIsNamedAndNotUsed) {
+  std::vector<StatePoint> points = states(frictional, cohesionless);
+  points[3].name = "drifting box";
+  points[3].unfit = "not steady: drifting";
+  points[3].friction.value *= 2.0;
+  const MaterialFit fit = fit_material(points);
+  EXPECT_EQ(fit.friction_weight[3], 0.0);
+  EXPECT_TRUE(mentions(fit.friction.left_out, "drifting box is left out: not steady"));
+  EXPECT_NEAR(law_of(fit).friction.mu0, frictional.friction.mu0, 1e-6);
+}
+
 }  // namespace
 }  // namespace grainlaw::calibration

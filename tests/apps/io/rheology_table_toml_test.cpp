@@ -113,6 +113,36 @@ TEST(RheologyTableToml, ConstantVolumeFractionIsWrittenAsInfiniteIphi) {
   EXPECT_EQ(std::get<MuPhi>(again.law).volume_fraction.I_phi, INFINITY);
 }
 
+TEST(RheologyTableToml, TermsTheLawDoesNotHaveHaveNoKey) {
+  std::mt19937_64 random(1);
+  RheologyTable table = mu_phi_table(random);
+  auto& law = std::get<MuPhi>(table.law);
+  law.friction.kappa = 0.0;
+  law.volume_fraction.I_phi = INFINITY;
+  law.cohesion_volume_fraction = CohesionVolumeFraction{.p1 = -0.1, .p2 = 0.02};
+  table.covariance.reset();
+  const std::string text = to_toml(table);
+  for (const char* key : {"kappa", "I_phi", "p3", "p4"}) {
+    EXPECT_EQ(text.find(std::string("\n") + key + " ="), std::string::npos) << key << "\n" << text;
+  }
+  const RheologyTable again = parse_table(text, "t");
+  const auto& same = std::get<MuPhi>(again.law);
+  EXPECT_EQ(same.friction.kappa, 0.0);
+  EXPECT_EQ(same.cohesion_volume_fraction->p2, 0.02);
+  EXPECT_EQ(same.cohesion_volume_fraction->p4, 0.0);
+  EXPECT_EQ(to_toml(again), text);
+}
+
+TEST(RheologyTableToml, TermThatIsZeroWithAnErrorKeepsItsKey) {
+  std::mt19937_64 random(1);
+  RheologyTable table = mu_phi_table(random);
+  std::get<MuPhi>(table.law).friction.kappa = 0.0;
+  table.covariance = Covariance{.names = {"kappa"}, .matrix = {0.01}};
+  const std::string text = to_toml(table);
+  EXPECT_NE(text.find("\nkappa = 0.0"), std::string::npos) << text;
+  EXPECT_EQ(to_toml(parse_table(text, "t")), text);
+}
+
 TEST(RheologyTableToml, LimitAndScaleOfFrictionGiveTheSameLaw) {
   const RheologyTable table = read_table(tables / "shi2020_mu_p_0.50.toml");
   const InertialFriction& mu = std::get<MuPhi>(table.law).friction;
