@@ -31,6 +31,7 @@ FigureGroup law_figures(const Report& report);
 FigureGroup profile_figures(const RunComparison& run, std::size_t number);
 FigureGroup start_figures(const RunComparison& run, std::size_t number);
 FigureGroup time_figures(const Report& report);
+std::vector<FigureGroup> flow_figures(const Report& report);
 
 /// "24.8°, predicted (interpolation)".
 std::string run_title(const RunComparison& run);

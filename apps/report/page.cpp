@@ -24,12 +24,14 @@ Html made_by(const Report& report) {
   return R"(<p class="made">Made by <code>)"_html + text(report.command) + "</code></p>\n"_html;
 }
 
-Html contents() {
+Html contents(const Report& report) {
   const std::vector<std::pair<std::string_view, std::string_view>> parts = {
       {"summary", "Summary"},
       {"law", "Law"},
       {"predictions", "Steady profiles"},
       {"start", "Start-up"},
+      {"flows", "Other flows"},
+      {"scores", "Errors by kind"},
       {"bagnold", "Bagnold law"},
       {"certificate", "Well-posedness"},
       {"time", "Error against run time"},
@@ -39,6 +41,8 @@ Html contents() {
       {"reading", "How to read this"}};
   Html result = "<nav>"_html;
   for (const auto& [id, title] : parts) {
+    if (id == "flows" && report.flows.empty()) continue;
+    if (id == "scores" && report.tables.empty()) continue;
     result += Html{fmt::format("<a href=\"#{}\">{}</a> ", id, title)};
   }
   return result + "</nav>\n"_html;
@@ -75,8 +79,12 @@ Html show(const FigureGroup& group, const Pictures& pictures) {
 }
 
 Figures figures(const Report& report) {
-  Figures result{
-      .law = law_figures(report), .profiles = {}, .starts = {}, .time = time_figures(report)};
+  Figures result{.law = law_figures(report),
+                 .profiles = {},
+                 .starts = {},
+                 .flows = {},
+                 .time = time_figures(report)};
+  if (!report.flows.empty()) result.flows = flow_figures(report);
   for (std::size_t k = 0; k < report.runs.size(); ++k) {
     result.profiles.push_back(profile_figures(report.runs[k], k + 1));
     result.starts.push_back(start_figures(report.runs[k], k + 1));
@@ -86,13 +94,14 @@ Figures figures(const Report& report) {
 
 std::string page(const Report& report, const Figures& figures, const Pictures& pictures) {
   const Html body = "<h1>"_html + text(report.title) + "</h1>\n"_html + made_by(report) +
-                    contents() + missing_pictures(pictures) + summary_section(report) +
+                    contents(report) + missing_pictures(pictures) + summary_section(report) +
                     law_section(report, figures.law, pictures) +
                     prediction_section(report, figures.profiles, pictures) +
-                    start_section(report, figures.starts, pictures) + bagnold_section(report) +
-                    certificate_section(report) + time_section(report, figures.time, pictures) +
-                    cost_section(report) + health_section(report) + answer_section(report) +
-                    reading_section();
+                    start_section(report, figures.starts, pictures) +
+                    flow_section(report, figures.flows, pictures) + score_section(report) +
+                    bagnold_section(report) + certificate_section(report) +
+                    time_section(report, figures.time, pictures) + cost_section(report) +
+                    health_section(report) + answer_section(report) + reading_section();
   return "<!DOCTYPE html>\n<html lang=\"en\">\n" + head(report).markup + "<body>\n" + body.markup +
          "</body>\n</html>\n";
 }
