@@ -154,24 +154,37 @@ void compare_flows(const Input& input, report::Report& report) {
   }
 }
 
-void add_line(Summary& summary, const report::Score& score, const std::string& table) {
-  const std::string of = table.empty() ? "" : ", " + table;
+/// `table`: its number from 1, 0 where it is the only one.
+void add_line(Summary& summary, const report::Score& score, std::size_t table) {
+  const std::string of = table > 0 ? fmt::format(", table {}", table) : std::string();
+  const bool profile = score.quantity.front() == 'u';
   const bool left_out = score.kind == calibration::SampleKind::leave_one_out;
-  const bool chute = score.quantity == "u" && score.flow == dem::ChuteConditions{}.geometry;
+  const bool chute = score.flow == dem::ChuteConditions{}.geometry;
   const std::string key =
       score.run + (left_out ? " left out" : "") + (chute ? "" : " " + score.quantity) + of;
   const std::string label =
       fmt::format("{} {} ({}){}", score.run, score.quantity, calibration::name(score.kind), of);
-  if (!std::isfinite(score.difference.value)) {
+  if (std::isfinite(score.difference.value)) {
+    summary.add_estimate(key,
+                         label,
+                         100.0 * score.difference.value,
+                         100.0 * score.difference.error,
+                         profile ? "% (relative L2)" : "%");
+  } else if (profile) {
     summary.add(key, label, score.remark);
-    return;
   }
-  const bool norm = score.quantity.front() == 'u';
-  summary.add_estimate(key,
-                       label,
-                       100.0 * score.difference.value,
-                       100.0 * score.difference.error,
-                       norm ? "% of the velocity (relative L2)" : "% of the measured one");
+}
+
+void add_lines(Summary& summary, const report::Report& report) {
+  const bool several = report.tables.size() > 1;
+  for (std::size_t t = 0; several && t < report.tables.size(); ++t) {
+    const std::string number = fmt::format("table {}", t + 1);
+    summary.add(number, number, report.tables[t].name);
+  }
+  for (std::size_t t = 0; t < report.tables.size(); ++t) {
+    for (const report::Score& score : report.tables[t].scores)
+      add_line(summary, score, several ? t + 1 : 0);
+  }
 }
 
 void add_nonlocal(Summary& summary, const report::NonlocalAmplitude& nonlocal) {
@@ -214,11 +227,7 @@ ExitCode compare(const Arguments& arguments, const CommonOptions& options) {
   compare_chutes(input, report);
   compare_flows(input, report);
   report::write_report(report, directory);
-  for (const report::TableScores& table : report.tables) {
-    for (const report::Score& score : table.scores) {
-      add_line(summary, score, report.tables.size() > 1 ? table.name : "");
-    }
-  }
+  add_lines(summary, report);
   if (report.nonlocal) add_nonlocal(summary, *report.nonlocal);
   summary.add("report", "report", (directory / "report.html").string());
   print(summary, options);

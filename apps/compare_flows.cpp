@@ -161,6 +161,13 @@ report::NonlocalAmplitude fit_nonlocal(const io::RunRecord& record, const Rheolo
     throw calibration::FitError(record.data.name + ": no amplitude can be fitted, " +
                                 first.answer.text);
   const auto points = calibration::band_points(record.data, band, first.profile.height);
+  if (points.size() < 4)
+    throw calibration::FitError(
+        fmt::format("--fit-nonlocal: {} has {} rows off the walls and twice the kernel apart, 4 "
+                    "are needed: name "
+                    "a thicker layer first",
+                    record.data.name,
+                    points.size()));
   const calibration::NonlocalFit fit = calibration::fit_nonlocal_amplitude(table, band, points);
   return {.value = fit.amplitude,
           .error = fit.error,

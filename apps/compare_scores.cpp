@@ -68,30 +68,40 @@ double rms_in_errors(const std::vector<StateComparison>& states,
   return std::sqrt(sum / static_cast<double>(states.size()));
 }
 
+/// Those inside the data of the table; all of them where none is.
+std::vector<StateComparison> judged(const std::vector<StateComparison>& states) {
+  std::vector<StateComparison> inside;
+  for (const StateComparison& state : states) {
+    if (state.out_of_domain.empty()) inside.push_back(state);
+  }
+  return inside.empty() ? states : inside;
+}
+
 Score state_score(const report::FlowComparison& flow,
                   const report::FlowPrediction& prediction,
                   const char* name,
                   LawResidual StateComparison::*quantity) {
   Score score = start(flow, prediction);
   score.quantity = name;
-  const auto& states = prediction.states;
+  const std::vector<StateComparison> states = judged(prediction.states);
   if (states.empty()) {
-    score.difference = {};
     score.in_standard_errors = nan;
     score.remark = flow.data.window.steady ? "no state of flow" : "DEM not steady";
     return score;
   }
   const LawResidual& first = states.front().*quantity;
-  const bool one = states.size() == 1;
+  const bool one = prediction.states.size() == 1;
   score.difference = one ? dem::Estimate{first.difference, first.statistics}
                          : dem::Estimate{calibration::rms_difference(states, quantity),
                                          rms_error(states, quantity)};
   score.in_standard_errors = one ? first.in_standard_errors : rms_in_errors(states, quantity);
   score.condition_number = median_condition(states);
   score.remark = flags_text(states);
-  if (!one)
-    score.remark = fmt::format("rms of {} states", states.size()) +
-                   (score.remark.empty() ? "" : "; " + score.remark);
+  if (one) return score;
+  score.remark = fmt::format(
+      "rms of {} states{}{}", states.size(), score.remark.empty() ? "" : ", ", score.remark);
+  const std::size_t outside = prediction.states.size() - states.size();
+  if (outside > 0) score.remark += fmt::format("; {} more outside the data", outside);
   return score;
 }
 
@@ -102,6 +112,8 @@ Score band_score(const report::FlowComparison& flow,
   Score score = start(flow, prediction);
   score.quantity = name;
   score.condition_number = band.band.answer.condition_number;
+  if (score.condition_number == 0.0 && !prediction.states.empty())
+    score.condition_number = median_condition(judged(prediction.states));
   score.remark = std::string(continuum::name(band.band.answer.outcome));
   if (band.band.local_band_collapse) score.remark += ", LOCAL_BAND_COLLAPSE";
   const std::string flags = flags_text(band.band.answer.out_of_domain);
@@ -140,8 +152,10 @@ Score score_of(const report::RunComparison& run) {
 std::vector<Score> scores_of(const report::FlowComparison& flow, std::size_t table) {
   const report::FlowPrediction& prediction = flow.tables.at(table);
   std::vector<Score> scores;
-  scores.push_back(state_score(flow, prediction, "mu", &StateComparison::friction));
-  scores.push_back(state_score(flow, prediction, "phi", &StateComparison::volume_fraction));
+  if (!prediction.states.empty() || !prediction.local) {
+    scores.push_back(state_score(flow, prediction, "mu", &StateComparison::friction));
+    scores.push_back(state_score(flow, prediction, "phi", &StateComparison::volume_fraction));
+  }
   if (prediction.local) scores.push_back(band_score(flow, prediction, *prediction.local, "u"));
   if (prediction.nonlocal)
     scores.push_back(band_score(flow, prediction, *prediction.nonlocal, "u, nonlocal"));

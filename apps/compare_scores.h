@@ -11,7 +11,8 @@ namespace grainlaw {
 report::Score score_of(const report::RunComparison& run);
 
 /// Those by which another flow judges the table of an index: mu and phi of the law at the measured
-/// states (rms over rows or heights, signed for a single state), and of a band the velocity.
+/// states (rms over the rows or heights inside the data of the table, signed for a single state),
+/// and of a band the velocity.
 std::vector<report::Score> scores_of(const report::FlowComparison& flow, std::size_t table);
 
 }  // namespace grainlaw

@@ -85,14 +85,14 @@ double largest_velocity(const Rows& rows) {
   return 0.5 * (high.velocity.value - low.velocity.value);
 }
 
-/// Both flanks of both bands; a shift of the bands cancels.
+/// Both flanks of a band together, the mean of the two bands; a shift of the bands cancels.
 double box_width(const Rows& rows, double height) {
   const double wanted = 0.9 * largest_velocity(rows);
   double sum = 0.0;
   for (const double band : {0.0, 0.5 * height}) {
     for (const int direction : {-1, 1}) sum += reaching(rows, band, direction, wanted);
   }
-  return 0.25 * sum;
+  return 0.5 * sum;
 }
 
 /// From the upper end of the layer down to where a tenth of the speed of the wall is left.
@@ -138,6 +138,11 @@ double between(double z, const NoSlipHeights& heights, double height) {
   return height * (z - heights.lower) / (height - heights.lower - heights.upper);
 }
 
+/// The lowest grains stand still: nothing tells where the wall holds them.
+bool creeps_at_bottom(const Rows& rows) {
+  return std::abs(rows.front().velocity.value) < 0.01 * std::abs(rows.back().velocity.value);
+}
+
 /// The predicted shape between free no-slip heights, fitted to the measured velocities.
 NoSlipHeights fit_no_slip(const MeasuredRows& measured, const continuum::Profile& profile) {
   const Rows& rows = measured.rows;
@@ -151,7 +156,7 @@ NoSlipHeights fit_no_slip(const MeasuredRows& measured, const continuum::Profile
     }
   };
   const LeastSquaresProblem problem{
-      .unknowns = {{"lower", 0.0}, {"upper", 0.0}},
+      .unknowns = {{.name = "lower", .held = creeps_at_bottom(rows)}, {.name = "upper"}},
       .residuals = static_cast<int>(rows.size()),
       .evaluate = [&](std::span<const double> x, std::span<double> r, std::span<double> jacobian) {
         residuals({x[0], x[1]}, r);
@@ -186,6 +191,7 @@ double distance(const MeasuredRows& measured,
 void compare_walls(const MeasuredRows& measured,
                    const continuum::PlaneShear& flow,
                    const ShearBand& predicted,
+                   double diameter,
                    BandComparison& result) {
   const double speed = flow.drive.velocity.value_or(measured.rows.back().velocity.value);
   const double top = measured.rows.back().z + 0.5 * (measured.rows[1].z - measured.rows[0].z);
@@ -195,8 +201,11 @@ void compare_walls(const MeasuredRows& measured,
       predicted.sought == ShearBand::Sought::stress
           ? estimate(measured, [&](const Rows& r) { return shear_stress(r, measured.dense); })
           : measured.rows.back().velocity;
-  result.no_slip = fit_no_slip(measured, predicted.profile);
-  result.budget.geometry = distance(measured, predicted.profile, result.no_slip);
+  const NoSlipHeights found = fit_no_slip(measured, predicted.profile);
+  const double most = farthest_no_slip * diameter;
+  if (!(std::abs(found.lower) < most && std::abs(found.upper) < most)) return;
+  result.no_slip = found;
+  result.budget.geometry = distance(measured, predicted.profile, found);
 }
 
 void compare_box(const dem::LocalData& data, const MeasuredRows& measured, BandComparison& result) {
@@ -254,7 +263,7 @@ BandComparison compare_band(const dem::LocalData& measured,
   result.profile = profile_error(predict_at(predicted.profile, rows.rows), rows);
   result.profile.surface_velocity = {};
   if (const auto* walls = std::get_if<continuum::PlaneShear>(&band.flow)) {
-    compare_walls(rows, *walls, predicted, result);
+    compare_walls(rows, *walls, predicted, measured.conditions.grain_diameter, result);
   } else {
     compare_box(measured, rows, result);
   }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "calibration/comparison.h"
@@ -10,11 +11,15 @@
 namespace grainlaw::calibration {
 
 /// Where the velocities of the two walls of a plane shear are met, as the profile shows it: bumpy
-/// walls do not hold the grains at their tops. Both count into the layer.
+/// walls do not hold the grains at their tops. Both count into the layer; the lower one stays 0
+/// where the lowest grains creep.
 struct NoSlipHeights {
   double lower = 0.0;  ///< above z = 0 [length]
   double upper = 0.0;  ///< below the height of the predicted layer [length]
 };
+
+/// What lies farther from a wall is no property of the wall: the shape itself is wrong then.
+inline constexpr double farthest_no_slip = 2.0;  // [d]
 
 /// A measured shear band beside a predicted one.
 struct BandComparison {
@@ -24,8 +29,8 @@ struct BandComparison {
   /// wall of given stress), measured, and predicted / measured - 1.
   dem::Estimate drive;
   dem::Estimate drive_difference;
-  double height = 0.0;  ///< measured, of the layer or of the period [length]
-  NoSlipHeights no_slip;
+  double height = 0.0;                   ///< measured, of the layer or of the period [length]
+  std::optional<NoSlipHeights> no_slip;  ///< absent: farther than farthest_no_slip, or no walls
   ErrorBudget budget;
 };
 

@@ -20,9 +20,9 @@ std::string stem(const std::string& name, std::size_t number) {
   return "flow_" + file_stem(named, number);
 }
 
+/// Tables by their numbers: names of files do not fit beside a figure.
 std::string titled(const Report& report, std::size_t table, const char* law) {
-  const std::string name = report.tables.size() > 1 ? report.tables[table].name + ", " : "";
-  return plot_text(name) + law;
+  return report.tables.size() > 1 ? fmt::format("{} {}", table + 1, law) : std::string(law);
 }
 
 std::vector<Curve> curves(const Report& report,
@@ -82,7 +82,15 @@ Csv predicted_band(const FlowComparison& flow, const continuum::ShearBand& band)
   return csv;
 }
 
+/// The bulk, where differences show, not the dilute rows at a wall.
+std::string fraction_range(const dem::LocalData& data) {
+  const double bulk = data.rows[data.rows.size() / 2].volume_fraction.value;
+  if (!(bulk > 0.0)) return {};
+  return fmt::format("set xrange [{:.3f}:{:.3f}]\nset xtics 0.05\n", 0.75 * bulk, 1.2 * bulk);
+}
+
 std::string band_script(const std::string& name,
+                        const std::string& further,
                         const std::string& measured,
                         const std::vector<Curve>& predicted,
                         const std::string& column,
@@ -120,6 +128,7 @@ void add_band(const Report& report,
   const std::string velocity = base + "_velocity";
   group.figures.push_back({.name = velocity,
                            .script = band_script(velocity,
+                                                 "",
                                                  measured,
                                                  predicted,
                                                  "velocity [sqrt(g d)]",
@@ -130,7 +139,8 @@ void add_band(const Report& report,
   const std::string phi = base + "_volume_fraction";
   group.figures.push_back(
       {.name = phi,
-       .script = band_script(phi, measured, predicted, "phi", "{/:Italic φ}", z),
+       .script = band_script(
+           phi, fraction_range(flow.data), measured, predicted, "phi", "{/:Italic φ}", z),
        .label = "Volume fraction against height, " + flow.data.name,
        .caption = "Volume fraction; the kernel mixes rows at a wall with the void beyond"_html});
 }
@@ -178,7 +188,7 @@ std::string states_script(const Report& report,
   constexpr int open_shapes[] = {6, 4, 8, 12};
   for (std::size_t t = 0; t < tables; ++t) {
     const std::string title =
-        report.tables.size() > 1 ? plot_text(report.tables[t].name) : std::string("law there");
+        report.tables.size() > 1 ? fmt::format("law {}", t + 1) : std::string("law there");
     result += fmt::format(
         ", \\\n     '{}' using \"I\":\"{} law {}\" with points pt {} ps 0.8 lc "
         "rgb 'black' title '{}'",

@@ -12,6 +12,15 @@ namespace {
 using calibration::LawResidual;
 using calibration::StateComparison;
 
+/// What the numbers in figures and tables stand for.
+Html table_numbers(const Report& report) {
+  if (report.tables.size() < 2) return {};
+  std::vector<Html> parts;
+  for (std::size_t t = 0; t < report.tables.size(); ++t)
+    parts.push_back(text(fmt::format("{}: {}", t + 1, report.tables[t].name)));
+  return paragraph("Tables by number: "_html + join(parts, ", "_html) + "."_html);
+}
+
 Html table_title(const Report& report, std::size_t t) {
   return report.tables.size() > 1 ? text(report.tables[t].name + ": ") : Html{};
 }
@@ -37,6 +46,7 @@ std::vector<Html> residual_cells(const dem::Estimate& measured, const LawResidua
 
 std::vector<Html> state_row(const StateComparison& state) {
   std::vector<Html> row = {text(state.point.name),
+                           text(flags_text(state.out_of_domain)),
                            text(significant(state.point.inertial_number.value, 3)),
                            text(significant(state.point.softness.value, 2)),
                            text(significant(state.point.bond_number.value, 2))};
@@ -46,7 +56,6 @@ std::vector<Html> state_row(const StateComparison& state) {
   add(residual_cells(state.point.friction, state.friction));
   add(residual_cells(state.point.volume_fraction, state.volume_fraction));
   row.push_back(text(significant(state.condition_number, 2)));
-  row.push_back(text(flags_text(state.out_of_domain)));
   return row;
 }
 
@@ -99,7 +108,6 @@ std::vector<Html> band_row(const std::string& law,
     return row;
   }
   const calibration::BandComparison& c = *prediction.comparison;
-  const bool walls = c.no_slip.lower != 0.0 || c.no_slip.upper != 0.0;
   for (const std::string& cell : {percent_value(c.profile.velocity),
                                   percent_value(c.profile.velocity_maximum),
                                   percent_value(c.profile.volume_fraction),
@@ -110,32 +118,34 @@ std::vector<Html> band_row(const std::string& law,
                                   fmt::format("{} / {}",
                                               significant(c.height / length, 3),
                                               significant(band.profile.height / length, 3)),
-                                  walls ? fmt::format("{} / {}",
-                                                      significant(c.no_slip.lower / length, 2),
-                                                      significant(c.no_slip.upper / length, 2))
-                                        : std::string("–")})
+                                  c.no_slip ? fmt::format("{} / {}",
+                                                          significant(c.no_slip->lower / length, 2),
+                                                          significant(c.no_slip->upper / length, 2))
+                                            : std::string("–")})
     row.push_back(text(cell));
   return row;
 }
 
 Table band_table(const Report& report) {
-  Table result{.caption =
-                   "Shear bands. Drive: the shear stress on a wall of given speed, the largest "
-                   "velocity in a box. Width: what takes 90 % of the velocity. No-slip heights: "
-                   "above the lower and below the upper end of the layer, fitted."_html,
-               .head = {"Law"_html,
-                        "Answer"_html,
-                        "<i>u</i>, <i>L</i><sub>2</sub> [%]"_html,
-                        "<i>u</i>, largest [%]"_html,
-                        "<i>φ</i>, <i>L</i><sub>2</sub> [%]"_html,
-                        "<i>μ</i>, <i>L</i><sub>2</sub> [%]"_html,
-                        "drive off [%]"_html,
-                        "width, DEM [<i>d</i>]"_html,
-                        "width, law [<i>d</i>]"_html,
-                        "extent, DEM / law [<i>d</i>]"_html,
-                        "no-slip heights [<i>d</i>]"_html},
-               .rows = {},
-               .text_columns = 2};
+  Table result{
+      .caption =
+          "Shear bands. Drive: the shear stress on a wall of given speed, the largest "
+          "velocity in a box. Width: what takes 90 % of the velocity. No-slip heights: "
+          "above the lower and below the upper end of the layer, fitted; a dash: farther than "
+          "2 <i>d</i>, then the shape itself is off."_html,
+      .head = {"Law"_html,
+               "Answer"_html,
+               "<i>u</i>, <i>L</i><sub>2</sub> [%]"_html,
+               "<i>u</i>, largest [%]"_html,
+               "<i>φ</i>, <i>L</i><sub>2</sub> [%]"_html,
+               "<i>μ</i>, <i>L</i><sub>2</sub> [%]"_html,
+               "drive off [%]"_html,
+               "width, DEM [<i>d</i>]"_html,
+               "width, law [<i>d</i>]"_html,
+               "extent, DEM / law [<i>d</i>]"_html,
+               "no-slip heights [<i>d</i>]"_html},
+      .rows = {},
+      .text_columns = 2};
   for (const FlowComparison& flow : report.flows) {
     if (flow.tables.empty() || !flow.tables.front().local) continue;
     const double d = flow.data.conditions.grain_diameter;
@@ -144,7 +154,7 @@ Table band_table(const Report& report) {
                                             flow.data.conditions.geometry,
                                             flow.data.window.steady ? "" : ", DEM not steady"))});
     for (std::size_t t = 0; t < flow.tables.size(); ++t) {
-      const std::string name = report.tables.size() > 1 ? report.tables[t].name + ", " : "";
+      const std::string name = report.tables.size() > 1 ? fmt::format("{} ", t + 1) : "";
       result.rows.push_back(band_row(name + "local", *flow.tables[t].local, d));
       if (flow.tables[t].nonlocal)
         result.rows.push_back(band_row(name + "nonlocal", *flow.tables[t].nonlocal, d));
@@ -231,9 +241,8 @@ std::vector<Html> score_row(const Score& score) {
          {part.statistics, part.law, part.geometry, part.numerics, part.rest()})
       row.push_back(text(significant(100.0 * share, 2)));
   } else {
-    row.resize(11, text("–"));
+    row.resize(12, text("–"));
   }
-  row.push_back(text(score.remark));
   return row;
 }
 
@@ -332,7 +341,7 @@ Html flow_section(const Report& report,
                   const std::vector<FigureGroup>& groups,
                   const Pictures& pictures) {
   if (report.flows.empty()) return {};
-  Html content;
+  Html content = table_numbers(report);
   const Table bands = band_table(report);
   if (!bands.rows.empty()) content += table(bands) + nonlocal_sentence(report);
   for (const FlowComparison& flow : report.flows) {

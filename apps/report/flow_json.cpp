@@ -66,7 +66,7 @@ json comparison(const calibration::BandComparison& c) {
           {"drive", estimate(c.drive)},
           {"drive_difference", estimate(c.drive_difference)},
           {"height", c.height},
-          {"no_slip_heights", {c.no_slip.lower, c.no_slip.upper}},
+          {"no_slip_heights", c.no_slip ? json{c.no_slip->lower, c.no_slip->upper} : json()},
           {"budget", budget(c.budget)}};
 }
 

@@ -63,8 +63,9 @@ TEST(BandComparison, APredictionHasNoErrorAgainstItself) {
   // Without gravity the velocity is linear, so its interpolation is exact: 90 % of the height.
   EXPECT_NEAR(same.width.value, 0.9 * height, 1e-9 * height);
   EXPECT_NEAR(band.band_width, 0.9 * height, 1e-3 * height);
-  EXPECT_NEAR(same.no_slip.lower, 0.0, 1e-6);
-  EXPECT_NEAR(same.no_slip.upper, 0.0, 1e-6);
+  ASSERT_TRUE(same.no_slip);
+  EXPECT_NEAR(same.no_slip->lower, 0.0, 1e-6);
+  EXPECT_NEAR(same.no_slip->upper, 0.0, 1e-6);
   EXPECT_NEAR(same.budget.geometry, 0.0, 1e-6);
 }
 
@@ -77,11 +78,24 @@ TEST(BandComparison, WallsThatHoldGrainsElsewhereAreFoundAsNoSlipHeights) {
     return height * (z - lower) / (height - lower - upper);
   });
   const BandComparison shifted = compare_band(data, walls(), band);
-  EXPECT_NEAR(shifted.no_slip.lower, lower, 1e-4);
-  EXPECT_NEAR(shifted.no_slip.upper, upper, 1e-4);
+  ASSERT_TRUE(shifted.no_slip);
+  EXPECT_NEAR(shifted.no_slip->lower, lower, 1e-4);
+  EXPECT_NEAR(shifted.no_slip->upper, upper, 1e-4);
   // All of the error is geometry then.
   EXPECT_NEAR(shifted.budget.geometry, shifted.budget.total, 1e-4 * shifted.budget.total);
   EXPECT_LT(shifted.budget.rest(), shifted.budget.total);
+}
+
+TEST(BandComparison, AShapeThatIsOffIsNotTakenForTheWalls) {
+  const ShearBand band = continuum::shear_band(table(), walls());
+  const double height = band.profile.height;
+  // A band at the upper wall, as a nonlocal flow under gravity has it.
+  auto data = rows_of(band.profile, height, height / 24.0, [](double z) { return z; });
+  for (dem::LocalRow& row : data.rows) row.velocity.value = 2.0 * std::exp((row.z - height) / 1.5);
+  const BandComparison off = compare_band(data, walls(), band);
+  EXPECT_FALSE(off.no_slip);
+  EXPECT_EQ(off.budget.geometry, 0.0);
+  EXPECT_NEAR(off.width.value, 1.5 * std::log(10.0), 0.05);
 }
 
 TEST(BandComparison, ABoxIsSeenAtRestAndInItsOwnPeriod) {
