@@ -154,6 +154,12 @@ bool is_band(const dem::LocalData& data) {
 }
 
 report::NonlocalAmplitude fit_nonlocal(const io::RunRecord& record, const RheologyTable& table) {
+  if (!record.data.window.steady)
+    throw calibration::FitError(
+        fmt::format("--fit-nonlocal: {} is not steady ({}): name another band "
+                    "first",
+                    record.data.name,
+                    record.data.window.reason));
   continuum::ShearBandCase band = band_case(scene_of(record), record.data);
   band.nonlocal_amplitude = 0.5;  // where the fit starts too: for the height of the layer alone
   const continuum::ShearBand first = continuum::shear_band(table, band);

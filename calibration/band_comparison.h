@@ -12,7 +12,7 @@ namespace grainlaw::calibration {
 
 /// Where the velocities of the two walls of a plane shear are met, as the profile shows it: bumpy
 /// walls do not hold the grains at their tops. Both count into the layer; the lower one stays 0
-/// where the lowest grains creep.
+/// where the lower quarter of the layer creeps.
 struct NoSlipHeights {
   double lower = 0.0;  ///< above z = 0 [length]
   double upper = 0.0;  ///< below the height of the predicted layer [length]
@@ -30,7 +30,8 @@ struct BandComparison {
   dem::Estimate drive;
   dem::Estimate drive_difference;
   double height = 0.0;                   ///< measured, of the layer or of the period [length]
-  std::optional<NoSlipHeights> no_slip;  ///< absent: farther than farthest_no_slip, or no walls
+  /// Absent: no walls, farther than farthest_no_slip, or a local band that collapsed.
+  std::optional<NoSlipHeights> no_slip;
   ErrorBudget budget;
 };
 
