@@ -45,6 +45,16 @@ std::vector<double> mean_fractions(const RingFields& fields) {
   return means;
 }
 
+/// Half the middle phi of the heights that are filled at all, however far the grid reaches.
+double half_of_bulk(const std::vector<double>& fractions) {
+  constexpr double filled = 0.2;
+  std::vector<double> bulk;
+  for (const double phi : fractions) {
+    if (phi > filled) bulk.push_back(phi);
+  }
+  return 0.5 * median(bulk);
+}
+
 /// The highest crossing of half the bulk density, on a line between two heights.
 double surface(const RingGrid& grid, const std::vector<double>& fractions, double half) {
   for (std::size_t k = grid.rows; k-- > 1;) {
@@ -202,7 +212,7 @@ RingBand ring_band(const RingFields& fields,
   RingBand band;
   if (fields.values.empty()) throw FitError("a ring cell without averages over radius and height");
   const std::vector<double> fractions = mean_fractions(fields);
-  const double half_bulk = 0.5 * median(fractions);
+  const double half_bulk = half_of_bulk(fractions);
   band.height = surface(grid, fractions, half_bulk);
   const double d = conditions.grain_diameter;
   const double first_width = d * std::cbrt(band.height / d * band.height / d);
