@@ -96,7 +96,7 @@ std::string band_script(const std::string& name,
                         const std::string& column,
                         const std::string& axis,
                         const char* z) {
-  std::string result = plot_head(name);
+  std::string result = plot_head(name) + further;
   result +=
       fmt::format("set xlabel '{}'\nset ylabel '{{/:Italic {}}} / {{/:Italic d}}'\n", axis, z);
   result += fmt::format(
