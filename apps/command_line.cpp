@@ -76,8 +76,15 @@ void CommandLine::option(const std::string& name,
 
 void CommandLine::option_list(const std::string& name,
                               std::vector<std::string>& target,
-                              const std::string& help) {
-  parser_->app.add_option(name, target, help);
+                              const std::string& help,
+                              bool is_required) {
+  parser_->app.add_option(name, target, help)->required(is_required);
+}
+
+void CommandLine::number(const std::string& name,
+                         std::optional<double>& target,
+                         const std::string& help) {
+  parser_->app.add_option(name, target, help)->check(CLI::PositiveNumber);
 }
 
 void CommandLine::duration(const std::string& name, double& seconds, const std::string& help) {

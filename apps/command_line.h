@@ -42,7 +42,10 @@ class CommandLine {
               bool is_required = false);
   void option_list(const std::string& name,
                    std::vector<std::string>& target,
-                   const std::string& help);
+                   const std::string& help,
+                   bool is_required = false);
+  /// A number above 0; absent where the option is not given.
+  void number(const std::string& name, std::optional<double>& target, const std::string& help);
 
   /// A duration above 0, given as "90s", "10min", "2h" or a number of seconds [s].
   void duration(const std::string& name, double& seconds, const std::string& help);

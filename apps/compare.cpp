@@ -1,10 +1,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 
 #include "apps/command_line.h"
+#include "apps/compare_cases.h"
+#include "apps/compare_flows.h"
 #include "apps/compare_runs.h"
+#include "apps/compare_scores.h"
 #include "apps/directory_lock.h"
 #include "apps/imported_runs.h"
 #include "apps/io/import.h"
@@ -15,94 +19,216 @@
 namespace grainlaw {
 namespace {
 
+namespace fs = std::filesystem;
+
 struct Arguments {
   std::vector<std::string> runs;
-  std::string table;
+  std::vector<std::string> tables;
   std::string output = "comparison-report";
+  std::optional<double> nonlocal;  ///< absent: local laws only
+  bool fit_nonlocal = false;
 };
 
+/// Everything a comparison reads.
+struct Input {
+  std::vector<io::RunRecord> runs;
+  std::vector<ComparedTable> tables;
+};
+
+bool is_chute(const io::RunRecord& record) {
+  return record.data.conditions.geometry == dem::ChuteConditions{}.geometry;
+}
+
+Input read(const Arguments& arguments) {
+  Input input;
+  io::Units units;  // of the scenes: a table of a, b, tau_c in SI needs their sizes
+  for (const std::string& path : arguments.runs) {
+    input.runs.push_back(io::read_run(path));
+    units = input.runs.back().units;
+  }
+  for (const std::string& path : arguments.tables) {
+    input.tables.push_back(
+        {fs::path(path).filename().string(), io::in_grain_units(io::read_table(path), units)});
+  }
+  return input;
+}
+
+/// The other flows are made of mu(I); a law of one tilt says nothing of them.
+void require_mu_phi(const Input& input) {
+  const auto flow = std::ranges::find_if_not(input.runs, is_chute);
+  if (flow == input.runs.end()) return;
+  for (const ComparedTable& compared : input.tables) {
+    const auto& table = compared.table;
+    if (std::holds_alternative<continuum::MuPhi>(table.law) && table.has_friction) continue;
+    throw io::InputError(
+        fmt::format("{}: run '{}' is a {}, which needs a table of mu(I) and phi(I)",
+                    compared.name,
+                    flow->data.name,
+                    flow->data.conditions.geometry));
+  }
+}
+
 /// Runs named in the table's provenance were fitted; the others are out of sample.
-std::vector<dem::LocalData> fitted_runs(const std::vector<dem::LocalData>& runs,
+std::vector<dem::LocalData> fitted_runs(const std::vector<io::RunRecord>& runs,
                                         const continuum::RheologyTable& table) {
   std::vector<dem::LocalData> fitted;
-  for (const dem::LocalData& run : runs) {
-    const auto& names = table.provenance.data;
-    if (std::find(names.begin(), names.end(), run.name) != names.end()) fitted.push_back(run);
+  for (const io::RunRecord& run : runs) {
+    if (was_fitted(table, run)) fitted.push_back(run.data);
   }
   return fitted;
 }
 
-std::string check_line(const dem::LocalData& data, const continuum::RheologyTable& table) {
-  const auto steady = continuum::steady_chute(table, chute_case(data.conditions));
-  return fmt::format("{}: {:.4g} degrees, {}; table answers {}",
-                     data.name,
-                     io::degrees(data.conditions.inclination),
-                     data.window.steady ? "steady" : "not steady",
-                     name(steady.answer.outcome));
+std::string check_line(const io::RunRecord& record, const continuum::RheologyTable& table) {
+  const dem::LocalData& data = record.data;
+  const std::string steady = data.window.steady ? "steady" : "not steady";
+  if (is_chute(record)) {
+    const auto answer = continuum::steady_chute(table, chute_case(data.conditions)).answer;
+    return fmt::format("{:.4g} degrees, {}; table answers {}",
+                       io::degrees(data.conditions.inclination),
+                       steady,
+                       name(answer.outcome));
+  }
+  if (!is_band(data)) return fmt::format("{}, {}", data.conditions.geometry, steady);
+  const auto answer = continuum::shear_band(table, band_case(scene_of(record), data)).answer;
+  return fmt::format(
+      "{}, {}; table answers {}", data.conditions.geometry, steady, name(answer.outcome));
 }
 
-void add_lines(Summary& summary, const report::RunComparison& run) {
-  const std::string label = fmt::format("{} ({})", run.data.name, name(run.kind));
-  if (!run.error) {
-    summary.add(run.data.name, label, run.steady.answer.text + "; DEM: " + run.data.window.reason);
+void check(Summary& summary, const Input& input) {
+  for (const io::RunRecord& run : input.runs) {
+    for (const ComparedTable& compared : input.tables) {
+      const std::string label =
+          run.data.name + (input.tables.size() > 1 ? ", " + compared.name : "");
+      summary.add(label, label, check_line(run, compared.table));
+    }
+  }
+}
+
+std::optional<report::NonlocalAmplitude> amplitude(const Arguments& arguments, const Input& input) {
+  if (arguments.nonlocal) return report::NonlocalAmplitude{.value = *arguments.nonlocal, .run = {}};
+  if (!arguments.fit_nonlocal) return std::nullopt;
+  for (const io::RunRecord& run : input.runs) {
+    if (is_band(run.data)) return fit_nonlocal(run, input.tables.front().table);
+  }
+  throw io::InputError("--fit-nonlocal needs a run of plane shear or of a body-force box");
+}
+
+void take_notes(report::Report& report, const std::vector<std::string>& notes) {
+  for (const std::string& note : notes) {
+    if (std::ranges::find(report.warnings, note) != report.warnings.end()) continue;
+    report.warnings.push_back(note);
+    say("warning: " + note);
+  }
+}
+
+/// Chutes against the first table fill the report; those against the others give scores only.
+void compare_chutes(const Input& input, report::Report& report) {
+  for (std::size_t t = 0; t < input.tables.size(); ++t) {
+    const continuum::RheologyTable& table = input.tables[t].table;
+    const std::vector<dem::LocalData> fitted = fitted_runs(input.runs, table);
+    for (const io::RunRecord& run : input.runs) {
+      if (!is_chute(run)) continue;
+      report::RunComparison compared = compare_run(run.data, table, fitted);
+      report.tables[t].scores.push_back(score_of(compared));
+      take_notes(report, compared.notes);
+      if (t > 0) continue;
+      report.costs.push_back({"prediction " + run.data.name, compared.predict_seconds, 0.0});
+      report.runs.push_back(std::move(compared));
+    }
+    if (t > 0) continue;
+    report.left_out = leave_one_out(fitted);
+    for (const auto& left : report.left_out) report.tables[t].scores.push_back(score_of(left));
+  }
+}
+
+void compare_flows(const Input& input, report::Report& report) {
+  for (const io::RunRecord& run : input.runs) {
+    if (is_chute(run)) continue;
+    report.flows.push_back(compare_flow(run, input.tables, report.nonlocal));
+    take_notes(report, report.flows.back().notes);
+    for (std::size_t t = 0; t < input.tables.size(); ++t) {
+      const auto scores = scores_of(report.flows.back(), t);
+      auto& all = report.tables[t].scores;
+      all.insert(all.end(), scores.begin(), scores.end());
+    }
+  }
+}
+
+/// `table`: its number from 1, 0 where it is the only one.
+void add_line(Summary& summary, const report::Score& score, std::size_t table) {
+  const std::string of = table > 0 ? fmt::format(", table {}", table) : std::string();
+  const bool profile = score.quantity.front() == 'u';
+  const bool left_out = score.kind == calibration::SampleKind::leave_one_out;
+  const bool chute = score.flow == dem::ChuteConditions{}.geometry;
+  const std::string key =
+      score.run + (left_out ? " left out" : "") + (chute ? "" : " " + score.quantity) + of;
+  const std::string label =
+      fmt::format("{} {} ({}){}", score.run, score.quantity, calibration::name(score.kind), of);
+  if (std::isfinite(score.difference.value)) {
+    summary.add_estimate(key,
+                         label,
+                         100.0 * score.difference.value,
+                         100.0 * score.difference.error,
+                         profile ? "% (relative L2)" : "%");
+  } else if (score.quantity != "phi") {  // says the same again
+    summary.add(key, label, score.remark);
+  }
+}
+
+void add_lines(Summary& summary, const report::Report& report) {
+  const bool several = report.tables.size() > 1;
+  for (std::size_t t = 0; several && t < report.tables.size(); ++t) {
+    const std::string number = fmt::format("table {}", t + 1);
+    summary.add(number, number, report.tables[t].name);
+  }
+  for (std::size_t t = 0; t < report.tables.size(); ++t) {
+    for (const report::Score& score : report.tables[t].scores)
+      add_line(summary, score, several ? t + 1 : 0);
+  }
+}
+
+void add_nonlocal(Summary& summary, const report::NonlocalAmplitude& nonlocal) {
+  if (nonlocal.run.empty()) {
+    summary.add("nonlocal", "A, given", nonlocal.value, "");
     return;
   }
-  summary.add_estimate(run.data.name,
-                       label,
-                       100.0 * run.error->velocity.value,
-                       100.0 * run.error->velocity.error,
-                       "% of the velocity (relative L2)");
-}
-
-/// The other flows have no prediction yet.
-void require_chute(const dem::LocalData& data, const std::string& path) {
-  const std::string& geometry = data.conditions.geometry;
-  if (geometry == dem::ChuteConditions{}.geometry) return;
-  throw io::InputError(
-      fmt::format("{}: a {}: chutes only are predicted from a table", path, geometry));
+  summary.add_estimate(
+      "nonlocal", "A, fitted to " + nonlocal.run, nonlocal.value, nonlocal.error, "");
 }
 
 ExitCode compare(const Arguments& arguments, const CommonOptions& options) {
-  std::vector<dem::LocalData> runs;
+  const Input input = read(arguments);
+  require_mu_phi(input);
   std::vector<io::RunRecord> imported;
-  io::Units units;  // of the scenes: a table of a, b, tau_c in SI needs their sizes
-  for (const std::string& path : arguments.runs) {
-    io::RunRecord record = io::read_run(path);
-    require_chute(record.data, path);
-    units = record.units;
-    runs.push_back(record.data);
-    if (!record.imported_from.empty()) imported.push_back(std::move(record));
+  for (const io::RunRecord& run : input.runs) {
+    if (!run.imported_from.empty()) imported.push_back(run);
   }
-  const continuum::RheologyTable table = io::in_grain_units(io::read_table(arguments.table), units);
   Summary summary;
   for (const io::RunRecord& record : imported) add_checks(summary, record);
   if (options.check) {
-    for (const dem::LocalData& data : runs) summary.add(data.name, "run", check_line(data, table));
+    check(summary, input);
     print(summary, options);
     return ExitCode::answered;
   }
-  const std::filesystem::path directory = arguments.output;
+  const fs::path directory = arguments.output;
   const DirectoryLock lock(directory);
   store_imported(imported, directory / "runs", arguments.runs);
-  const std::vector<dem::LocalData> fitted = fitted_runs(runs, table);
   report::Report report;
-  report.title =
-      "DEM against continuum: " + std::filesystem::path(arguments.table).filename().string();
+  report.title = "DEM against continuum: " + input.tables.front().name;
   report.command = "grainlaw compare";
   report.machine = machine();
-  report.table = table;
-  report.warnings = failed_checks(imported);
-  for (const std::string& warning : report.warnings) say("warning: " + warning);
-  for (const dem::LocalData& data : runs) {
-    report.costs.push_back({"DEM " + data.name, data.summary.wall_seconds, 0.0});
-    report.runs.push_back(compare_run(data, table, fitted));
-    report.costs.push_back({"prediction " + data.name, report.runs.back().predict_seconds, 0.0});
-    const auto& notes = report.runs.back().notes;
-    report.warnings.insert(report.warnings.end(), notes.begin(), notes.end());
-    for (const std::string& note : notes) say("warning: " + note);
-    add_lines(summary, report.runs.back());
+  report.table = input.tables.front().table;
+  for (const ComparedTable& t : input.tables) report.tables.push_back({t.name, t.table, {}});
+  take_notes(report, failed_checks(imported));
+  for (const io::RunRecord& run : input.runs) {
+    report.costs.push_back({"DEM " + run.data.name, run.data.summary.wall_seconds, 0.0});
   }
+  report.nonlocal = amplitude(arguments, input);
+  compare_chutes(input, report);
+  compare_flows(input, report);
   report::write_report(report, directory);
+  add_lines(summary, report);
+  if (report.nonlocal) add_nonlocal(summary, *report.nonlocal);
   summary.add("report", "report", (directory / "report.html").string());
   print(summary, options);
   return ExitCode::answered;
@@ -115,15 +241,19 @@ int main(int argc, char** argv) {
   using namespace grainlaw;
   CommonOptions options;
   CommandLine line("grainlaw-compare",
-                   "Predicts the scene of every DEM run from a table and reports the differences.",
+                   "Holds DEM runs of any flow against one or more tables and reports the\n"
+                   "differences: chutes, plane shear and body-force boxes against predictions of\n"
+                   "their scenes, simple shear and ring cells against the law at their states.",
                    "  grainlaw compare results/runs/*.h5 -t results/table.toml -o comparison\n"
-                   "  grainlaw compare lammps.toml -t results/table.toml -o comparison",
+                   "  grainlaw compare box.h5 walls.h5 -t a.toml b.toml --fit-nonlocal",
                    options);
   Arguments arguments;
   line.list("RUN.h5", arguments.runs, "runs, or import files (.toml) of others");
-  line.option("-t,--table", arguments.table, "rheology table", true);
+  line.option_list("-t,--table", arguments.tables, "rheology tables", true);
   line.option(
       "-o,--output", arguments.output, "folder for the report (default: comparison-report)");
+  line.number("--nonlocal", arguments.nonlocal, "predict bands with this amplitude A too");
+  line.flag("--fit-nonlocal", arguments.fit_nonlocal, "fit A to the first band among the runs");
   if (const auto code = line.parse(argc, argv)) return *code;
   return run_program("grainlaw compare", [&] { return compare(arguments, options); });
 }

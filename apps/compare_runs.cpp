@@ -56,6 +56,22 @@ std::vector<double> tilts(std::span<const dem::LocalData> runs) {
   return values;
 }
 
+bool is_chute(const dem::LocalData& run) {
+  return run.conditions.geometry == dem::ChuteConditions{}.geometry;
+}
+
+/// Flows of another geometry have no tilt to lie between.
+calibration::SampleKind kind_of(const dem::LocalData& data,
+                                const continuum::RheologyTable& table,
+                                std::span<const dem::LocalData> fitted) {
+  const std::string& geometry =
+      fitted.empty() ? table.provenance.geometry : fitted.front().conditions.geometry;
+  if (!geometry.empty() && geometry != data.conditions.geometry) {
+    return calibration::SampleKind::cross_geometry;
+  }
+  return calibration::sample_kind(data.conditions.inclination, tilts(fitted));
+}
+
 std::optional<calibration::ProfileError> error_of(const dem::LocalData& data,
                                                   const continuum::SteadyChute& steady) {
   if (!data.window.steady || !has_profile(steady)) return std::nullopt;
@@ -74,7 +90,8 @@ auto fit_or_note(report::RunComparison& run, const Fit& fit) -> std::optional<de
   try {
     return fit();
   } catch (const calibration::FitError& error) {
-    run.notes.emplace_back(error.what());
+    const std::string note = error.what();
+    if (std::ranges::find(run.notes, note) == run.notes.end()) run.notes.push_back(note);
     return std::nullopt;
   }
 }
@@ -89,7 +106,8 @@ void add_bagnold(report::RunComparison& run, std::span<const dem::LocalData> fit
   }
   std::vector<dem::LocalData> others;
   for (const dem::LocalData& other : fitted) {
-    if (other.conditions.inclination != run.data.conditions.inclination) others.push_back(other);
+    if (is_chute(other) && other.conditions.inclination != run.data.conditions.inclination)
+      others.push_back(other);
   }
   const dem::LocalData* other = nearest_tilt(others, run.data.conditions.inclination);
   if (other == nullptr) return;
@@ -97,6 +115,39 @@ void add_bagnold(report::RunComparison& run, std::span<const dem::LocalData> fit
   if (!foreign) return;
   run.foreign_bagnold_source = other->name;
   run.foreign_bagnold_error = error_of(run.data, continuum::steady_chute(foreign->table, chute));
+}
+
+/// The table with the no-slip height that the run itself shows.
+continuum::RheologyTable with_own_base(continuum::RheologyTable table,
+                                       const calibration::FlowPoint& point) {
+  table.base = continuum::EffectiveBase{.no_slip_height = point.no_slip_height.value,
+                                        .mass_below = point.mass_below.value};
+  table.covariance.reset();
+  return table;
+}
+
+/// The same chute with what the table cannot know of it taken from the run: the no-slip height, or,
+/// when the table comes from another geometry, the whole law (closure A of this very run).
+continuum::Profile informed(const report::RunComparison& run,
+                            const continuum::RheologyTable& table) {
+  const continuum::ChuteCase chute = chute_case(run.data.conditions);
+  const bool foreign = run.kind == calibration::SampleKind::cross_geometry;
+  if (foreign && run.own_bagnold) {
+    return continuum::steady_chute(run.own_bagnold->table, chute).profile;
+  }
+  if (!run.point || !(run.point->mass_below.value >= 0.0)) return {};
+  return continuum::steady_chute(with_own_base(table, *run.point), chute).profile;
+}
+
+void add_budget(report::RunComparison& run, const continuum::RheologyTable& table) {
+  if (!run.error) return;
+  run.budget.total = run.error->velocity.value;
+  run.budget.statistics = run.error->statistics;
+  run.budget.law = run.error->law;
+  run.budget.numerics = run.steady_against_transient;
+  const continuum::Profile other = informed(run, table);
+  if (other.rows.empty()) return;
+  run.budget.geometry = calibration::velocity_distance(run.data, run.steady.profile, other);
 }
 
 /// A table says for which grains and which base it holds.
@@ -146,25 +197,10 @@ double inertial_number(const continuum::RheologyTable& table, double inclination
 }
 
 double standard_error_of_I(const calibration::MuPhiFit& fit, double inclination) {
-  const continuum::RheologyTable& table = fit.table;
-  if (!table.covariance) return nan;
-  const auto& names = table.covariance->names;
-  const double centre = inertial_number(table, inclination);
-  std::vector<double> slope;
-  for (const std::string& name : names) {
-    continuum::RheologyTable moved = table;
-    const double value = continuum::coefficient(table, name);
-    const double step = 1e-6 * std::max(std::abs(value), 1e-3);
-    continuum::set_coefficient(moved, name, value + step);
-    slope.push_back((inertial_number(moved, inclination) - centre) / step);
-  }
-  double variance = 0.0;
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    for (std::size_t j = 0; j < names.size(); ++j) {
-      variance += slope[i] * (*table.covariance)(i, j) * slope[j];
-    }
-  }
-  return std::sqrt(std::max(variance, 0.0)) / centre;
+  const dem::Estimate I = calibration::propagated(
+      fit.table,
+      [&](const continuum::RheologyTable& table) { return inertial_number(table, inclination); });
+  return I.error / I.value;
 }
 
 void add_errors(report::TimeErrorPoint& point,
@@ -243,7 +279,7 @@ report::RunComparison compare_run(const dem::LocalData& data,
                                   std::span<const dem::LocalData> fitted) {
   report::RunComparison run;
   run.data = data;
-  run.kind = calibration::sample_kind(data.conditions.inclination, tilts(fitted));
+  run.kind = kind_of(data, table, fitted);
   Prediction prediction = predict_chute(table, chute_case(data.conditions), frame_times(data));
   run.steady = std::move(prediction.steady);
   run.start = std::move(prediction.start);
@@ -254,14 +290,36 @@ report::RunComparison compare_run(const dem::LocalData& data,
   run.error = error_of(data, run.steady);
   if (run.start) run.start_error = calibration::transient_error(data, run.start->snapshots);
   if (!data.window.steady) return run;
-  if (run.kind != calibration::SampleKind::in_sample) {
+  const bool predicted = run.kind == calibration::SampleKind::interpolation ||
+                         run.kind == calibration::SampleKind::extrapolation;
+  if (predicted) {
     if (const dem::LocalData* near = nearest_tilt(fitted, data.conditions.inclination)) {
       add_naive_guess(run, *near);
     }
   }
   run.point = fit_or_note(run, [&] { return calibration::flow_point(data); });
   add_bagnold(run, fitted);
+  add_budget(run, table);
   return run;
+}
+
+std::vector<report::RunComparison> leave_one_out(std::span<const dem::LocalData> fitted) {
+  std::vector<report::RunComparison> result;
+  for (const dem::LocalData& run : fitted) {
+    std::vector<dem::LocalData> others;
+    for (const dem::LocalData& other : fitted) {
+      if (other.conditions.inclination != run.conditions.inclination) others.push_back(other);
+    }
+    if (others.size() < 2) continue;
+    try {
+      const continuum::RheologyTable table = calibration::fit_mu_phi(others).table;
+      result.push_back(compare_run(run, table, others));
+      result.back().kind = calibration::SampleKind::leave_one_out;
+    } catch (const calibration::FitError&) {
+      continue;  // two tilts alone may not fix a law; the scores then lack this run
+    }
+  }
+  return result;
 }
 
 std::vector<report::TimeErrorPoint> error_against_time(
@@ -270,6 +328,7 @@ std::vector<report::TimeErrorPoint> error_against_time(
     const continuum::RheologyTable& final_table) {
   std::vector<report::TimeErrorPoint> points;
   const auto averages_only = [](const dem::LocalData& run) { return run.frames.frames.empty(); };
+  if (!std::ranges::all_of(fitted, is_chute)) return points;      // tilts are asked
   if (std::ranges::any_of(fitted, averages_only)) return points;  // no shorter time to average over
   for (const double share : {1.0 / 16, 1.0 / 8, 1.0 / 4, 1.0 / 2, 1.0}) {
     report::TimeErrorPoint point;

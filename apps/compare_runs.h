@@ -31,6 +31,10 @@ report::RunComparison compare_run(const dem::LocalData& data,
                                   const continuum::RheologyTable& table,
                                   std::span<const dem::LocalData> fitted);
 
+/// Every fitted chute predicted by the law refitted without its tilt. Empty for fewer than three
+/// tilts, as a law needs two; a refit that fails is left out.
+std::vector<report::RunComparison> leave_one_out(std::span<const dem::LocalData> fitted);
+
 /// Error of law and predictions as the averaging time of the fitted runs grows from one sixteenth
 /// to all of it; errors of the law are against the fit to everything.
 std::vector<report::TimeErrorPoint> error_against_time(std::span<const dem::LocalData> fitted,

@@ -62,23 +62,16 @@ std::vector<std::size_t> compared_rows(const std::vector<LocalRow>& rows) {
   return above_base;
 }
 
-/// A prediction at the heights of the compared rows.
-struct Predicted {
-  std::vector<double> velocity;
-  std::vector<double> volume_fraction;
-  std::vector<double> friction;
-};
+std::vector<LocalRow> picked(const std::vector<LocalRow>& rows,
+                             const std::vector<std::size_t>& chosen) {
+  std::vector<LocalRow> result;
+  result.reserve(chosen.size());
+  for (const std::size_t k : chosen) result.push_back(rows[k]);
+  return result;
+}
 
-Predicted predict_at(const Profile& profile,
-                     const std::vector<LocalRow>& rows,
-                     const std::vector<std::size_t>& chosen) {
-  Predicted predicted;
-  for (const std::size_t k : chosen) {
-    predicted.velocity.push_back(velocity_at(profile, rows[k].z));
-    predicted.volume_fraction.push_back(volume_fraction_at(profile, rows[k].z));
-    predicted.friction.push_back(friction_at(profile, rows[k].z));
-  }
-  return predicted;
+double row_width(const std::vector<LocalRow>& rows) {
+  return rows.size() > 1 ? rows[1].z - rows[0].z : 0.0;
 }
 
 /// Relative L2 over bins of equal width; bins where one side has no value do not count.
@@ -104,18 +97,18 @@ struct Norms {
 
 Norms norms(const Predicted& predicted,
             const std::vector<LocalRow>& rows,
-            const std::vector<std::size_t>& chosen) {
+            const std::vector<bool>& dense) {
   std::vector<double> velocity, volume_fraction, friction;
   double largest = 0.0, largest_difference = 0.0, flux = 0.0, predicted_flux = 0.0;
-  for (std::size_t i = 0; i < chosen.size(); ++i) {
-    const LocalRow& row = rows[chosen[i]];
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const LocalRow& row = rows[i];
     velocity.push_back(row.velocity.value);
-    volume_fraction.push_back(row.volume_fraction.value);
-    friction.push_back(row.shear_stress.value / row.normal_stress.value);
+    volume_fraction.push_back(dense[i] ? row.volume_fraction.value : nan);
+    friction.push_back(dense[i] ? row.shear_stress.value / row.normal_stress.value : nan);
     largest = std::max(largest, std::abs(velocity[i]));
     largest_difference =
         std::max(largest_difference, std::abs(predicted.velocity[i] - velocity[i]));
-    flux += volume_fraction[i] * velocity[i];
+    flux += row.volume_fraction.value * velocity[i];
     predicted_flux += predicted.volume_fraction[i] * predicted.velocity[i];
   }
   return {.velocity = relative_l2(predicted.velocity, velocity),
@@ -136,18 +129,28 @@ dem::Estimate with_error(const Norms& whole,
   return {whole.*norm, values.empty() ? nan : jackknife_error(values)};
 }
 
-double residual_in_errors(const Predicted& predicted,
-                          const std::vector<LocalRow>& rows,
-                          const std::vector<std::size_t>& chosen) {
+double residual_in_errors(const Predicted& predicted, const std::vector<LocalRow>& rows) {
   double sum = 0.0;
   int count = 0;
-  for (std::size_t i = 0; i < chosen.size(); ++i) {
-    const dem::Estimate& measured = rows[chosen[i]].velocity;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const dem::Estimate& measured = rows[i].velocity;
     if (!(measured.error > 0.0)) continue;
     sum += std::pow((predicted.velocity[i] - measured.value) / measured.error, 2);
     ++count;
   }
   return count > 0 ? std::sqrt(sum / count) : nan;
+}
+
+/// Root of the sum of squares of some lengths of velocity over that of the measured velocities.
+template <class Part>
+double relative_norm(const std::vector<LocalRow>& rows, Part part) {
+  double sum = 0.0, norm = 0.0;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const double value = part(i);
+    norm += rows[i].velocity.value * rows[i].velocity.value;
+    if (std::isfinite(value)) sum += value * value;
+  }
+  return norm > 0.0 ? std::sqrt(sum / norm) : nan;
 }
 
 /// Velocity averaged over all flowing mass; the mass below the no-slip height is at rest.
@@ -192,10 +195,14 @@ std::string_view name(SampleKind kind) {
   switch (kind) {
     case SampleKind::in_sample:
       return "in sample";
+    case SampleKind::leave_one_out:
+      return "left out";
     case SampleKind::interpolation:
       return "interpolation";
     case SampleKind::extrapolation:
       return "extrapolation";
+    case SampleKind::cross_geometry:
+      return "cross geometry";
     case SampleKind::independent:
       break;
   }
@@ -213,27 +220,102 @@ SampleKind sample_kind(double inclination, const std::vector<double>& fitted_inc
   return below && above ? SampleKind::interpolation : SampleKind::extrapolation;
 }
 
-ProfileError profile_error(const dem::LocalData& measured, const Profile& predicted) {
+MeasuredRows measured_rows(const dem::LocalData& measured) {
   const std::vector<std::size_t> chosen = compared_rows(measured.rows);
-  if (chosen.empty() || predicted.rows.empty()) {
-    throw FitError(
-        "run '" + measured.name + "': nothing to compare, " +
-        (chosen.empty() ? "the run has no rows above the base" : "the prediction has no profile"));
+  MeasuredRows result{.rows = picked(measured.rows, chosen), .blocks = {}, .dense = {}};
+  for (const auto& block : block_rows(measured)) result.blocks.push_back(picked(block, chosen));
+  const double reach = measured.frames.kernel.reach();
+  const double surface =
+      result.rows.empty() ? 0.0 : result.rows.back().z + 0.5 * row_width(result.rows);
+  // Half the bulk density is where the surface is: the kernel is symmetric.
+  for (const LocalRow& row : result.rows) {
+    result.dense.push_back(reach == 0.0 || row.z <= surface - reach);
   }
-  const Predicted at_rows = predict_at(predicted, measured.rows, chosen);
-  const Norms whole = norms(at_rows, measured.rows, chosen);
-  const auto blocks = block_rows(measured);
+  return result;
+}
+
+Predicted predict_at(const Profile& profile, const std::vector<LocalRow>& rows) {
+  Predicted predicted;
+  for (const LocalRow& row : rows) {
+    predicted.velocity.push_back(velocity_at(profile, row.z));
+    predicted.velocity_error.push_back(
+        interpolate(profile.rows, row.z, [](const ProfileRow& at) { return at.velocity_error; }));
+    predicted.volume_fraction.push_back(volume_fraction_at(profile, row.z));
+    predicted.friction.push_back(friction_at(profile, row.z));
+  }
+  return predicted;
+}
+
+ProfileError profile_error(const Predicted& predicted, const MeasuredRows& measured) {
+  const auto& rows = measured.rows;
+  const Norms whole = norms(predicted, rows, measured.dense);
   std::vector<Norms> without;
-  for (std::size_t b = 0; b < blocks.size(); ++b) {
-    without.push_back(norms(at_rows, mean_without(blocks, b), chosen));
+  for (std::size_t b = 0; b < measured.blocks.size(); ++b) {
+    without.push_back(norms(predicted, mean_without(measured.blocks, b), measured.dense));
   }
-  return {.velocity = with_error(whole, without, &Norms::velocity),
-          .velocity_maximum = with_error(whole, without, &Norms::velocity_maximum),
-          .volume_fraction = with_error(whole, without, &Norms::volume_fraction),
-          .friction = with_error(whole, without, &Norms::friction),
-          .surface_velocity = with_error(whole, without, &Norms::surface_velocity),
-          .flux = with_error(whole, without, &Norms::flux),
-          .in_standard_errors = residual_in_errors(at_rows, measured.rows, chosen)};
+  ProfileError error{
+      .velocity = with_error(whole, without, &Norms::velocity),
+      .velocity_maximum = with_error(whole, without, &Norms::velocity_maximum),
+      .volume_fraction = with_error(whole, without, &Norms::volume_fraction),
+      .friction = with_error(whole, without, &Norms::friction),
+      .surface_velocity = with_error(whole, without, &Norms::surface_velocity),
+      .flux = with_error(whole, without, &Norms::flux),
+      .in_standard_errors = residual_in_errors(predicted, rows),
+      .statistics = relative_norm(rows, [&](std::size_t i) { return rows[i].velocity.error; }),
+      .law = relative_norm(rows, [&](std::size_t i) { return predicted.velocity_error[i]; })};
+  const double half_row = 0.5 * row_width(rows);
+  error.velocity_top = rows.back().z + half_row;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (measured.dense[i]) error.fraction_top = rows[i].z + half_row;
+  }
+  return error;
+}
+
+ProfileError profile_error(const dem::LocalData& measured, const Profile& predicted) {
+  const MeasuredRows compared = measured_rows(measured);
+  if (compared.rows.empty() || predicted.rows.empty()) {
+    throw FitError("run '" + measured.name + "': nothing to compare, " +
+                   (compared.rows.empty() ? "the run has no rows above the base"
+                                          : "the prediction has no profile"));
+  }
+  return profile_error(predict_at(predicted, compared.rows), compared);
+}
+
+double velocity_distance(const dem::LocalData& measured, const Profile& one, const Profile& other) {
+  const std::vector<LocalRow> rows = picked(measured.rows, compared_rows(measured.rows));
+  return relative_norm(rows, [&](std::size_t i) {
+    return velocity_at(one, rows[i].z) - velocity_at(other, rows[i].z);
+  });
+}
+
+double ErrorBudget::rest() const {
+  const double known =
+      statistics * statistics + law * law + geometry * geometry + numerics * numerics;
+  return std::sqrt(std::max(0.0, total * total - known));
+}
+
+dem::Estimate propagated(const continuum::RheologyTable& table,
+                         const std::function<double(const continuum::RheologyTable&)>& number) {
+  const double value = number(table);
+  if (!table.covariance) return {.value = value};
+  const continuum::Covariance& covariance = *table.covariance;
+  const std::size_t size = covariance.names.size();
+  // A hundredth of a standard error: small against the curvature of the laws, large against
+  // rounding; upwards, where every coefficient stays one.
+  std::vector<double> slope(size, 0.0);
+  for (std::size_t i = 0; i < size; ++i) {
+    const double step = 0.01 * std::sqrt(covariance(i, i));
+    if (!(step > 0.0)) continue;
+    continuum::RheologyTable moved = table;
+    const std::string& name = covariance.names[i];
+    continuum::set_coefficient(moved, name, continuum::coefficient(table, name) + step);
+    slope[i] = (number(moved) - value) / step;
+  }
+  double variance = 0.0;
+  for (std::size_t i = 0; i < size; ++i) {
+    for (std::size_t j = 0; j < size; ++j) variance += slope[i] * covariance(i, j) * slope[j];
+  }
+  return {.value = value, .error = std::sqrt(std::max(0.0, variance))};
 }
 
 double velocity_at(const Profile& profile, double z) {

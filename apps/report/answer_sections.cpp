@@ -84,7 +84,9 @@ Html reading_section() {
       definition(
           "Relative <i>L</i><sub>2</sub>"_html,
           "√(∫(predicted − measured)² d<i>z</i> / ∫measured² d<i>z</i>) from <i>z</i> = 0, "
-          "base layer included, up to where <i>φ</i> falls below half its bulk value."_html) +
+          "base layer included, up to where <i>φ</i> falls below half its bulk value; <i>φ</i> and "
+          "<i>μ</i> only up to the reach of the kernel below there, as nearer the surface fields "
+          "are mixed with the void above."_html) +
       definition("± standard error"_html,
                  "One standard error. Measured numbers: block averages over the steady window. "
                  "Coefficients: covariance of the fit. Profile errors: scatter of the DEM profile "
@@ -94,7 +96,9 @@ Html reading_section() {
                  "negative, so noise alone makes it positive: compare with rms / s.e., which is 1 "
                  "for a perfect prediction."_html) +
       definition("In sample, interpolation, extrapolation"_html,
-                 "Tilt fitted; between fitted tilts; outside them. Never joined in one number. All "
+                 "Tilt fitted; between fitted tilts; outside them. Left out: the law refitted "
+                 "without this tilt. Cross geometry: the law comes from another flow. Never joined "
+                 "in one number. All "
                  "runs of a campaign share one seed, so one base and one packing."_html) +
       definition("Predicted <i>μ</i>"_html,
                  "Is tan <i>θ</i> by the balance of forces, whatever the law: its difference "

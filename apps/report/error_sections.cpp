@@ -20,6 +20,10 @@ Html kind_heading(SampleKind kind) {
       return "Predicted, interpolation: tilts between the fitted ones"_html;
     case SampleKind::extrapolation:
       return "Predicted, extrapolation: tilts outside the fitted ones"_html;
+    case SampleKind::leave_one_out:
+      return "Left out: the law was refitted without this tilt"_html;
+    case SampleKind::cross_geometry:
+      return "Predicted, cross geometry: the law was fitted to another flow"_html;
     default:
       return "Predicted by an independent table: none of these runs was fitted"_html;
   }
@@ -28,6 +32,11 @@ Html kind_heading(SampleKind kind) {
 Html naive_cell(const RunComparison& run) {
   if (!run.naive_error) return text("–");
   return text(percent_value(run.naive_error->velocity));
+}
+
+Html condition_cell(const RunComparison& run) {
+  const double number = run.steady.answer.condition_number;
+  return text(number > 0.0 ? significant(number, 2) : "–");
 }
 
 std::vector<Html> error_row(const RunComparison& run) {
@@ -40,11 +49,12 @@ std::vector<Html> error_row(const RunComparison& run) {
           text(percent_value(error.friction)),
           text(percent_value(error.surface_velocity)),
           text(percent_value(error.flux)),
-          text(significant(error.in_standard_errors, 2))};
+          text(significant(error.in_standard_errors, 2)),
+          condition_cell(run)};
 }
 
 std::vector<Html> missing_row(const RunComparison& run) {
-  std::vector<Html> row(9, text("–"));
+  std::vector<Html> row(10, text("–"));
   row.front() = run_label(run);
   return row;
 }
@@ -61,7 +71,8 @@ Table error_table(const Report& report) {
                         "<i>μ</i>, <i>L</i><sub>2</sub>"_html,
                         "surface <i>u</i>"_html,
                         "flux"_html,
-                        "rms / s.e."_html},
+                        "rms / s.e."_html,
+                        "d ln <i>I</i>/d ln <i>μ</i>"_html},
                .rows = {},
                .text_columns = 1};
   for (const SampleKind kind : all_kinds) {
@@ -243,6 +254,9 @@ Html run_label(const RunComparison& run) {
 std::vector<const RunComparison*> runs_of(const Report& report, SampleKind kind) {
   std::vector<const RunComparison*> result;
   for (const RunComparison& run : report.runs) {
+    if (run.kind == kind) result.push_back(&run);
+  }
+  for (const RunComparison& run : report.left_out) {
     if (run.kind == kind) result.push_back(&run);
   }
   return result;

@@ -34,6 +34,7 @@ FigureGroup time_figures(const Report& report);
 FigureGroup series_figures(const SeriesReport& series);
 std::vector<FigureGroup> material_figures(const MaterialReport& material);
 FigureGroup contact_friction_figures(const ContactFrictionReport& report);
+std::vector<FigureGroup> flow_figures(const Report& report);
 
 /// "24.8°, predicted (interpolation)".
 std::string run_title(const RunComparison& run);

@@ -15,39 +15,7 @@ const continuum::MuPhi& mu_phi(const continuum::RheologyTable& table) {
   return std::get<continuum::MuPhi>(table.law);
 }
 
-/// Central difference over a hundredth of a standard error: small against the curvature of the
-/// laws, large against rounding.
-double derivative(const continuum::RheologyTable& table,
-                  const std::string& name,
-                  double standard_error,
-                  const std::function<double(const continuum::RheologyTable&)>& number) {
-  const double step = 0.01 * standard_error;
-  if (!(step > 0.0)) return 0.0;
-  const double value = continuum::coefficient(table, name);
-  continuum::RheologyTable shifted = table;
-  continuum::set_coefficient(shifted, name, value + step);
-  const double above = number(shifted);
-  continuum::set_coefficient(shifted, name, value - step);
-  return (above - number(shifted)) / (2.0 * step);
-}
-
 }  // namespace
-
-dem::Estimate propagated(const continuum::RheologyTable& table,
-                         const std::function<double(const continuum::RheologyTable&)>& number) {
-  if (!table.covariance) return {.value = number(table), .error = nan};
-  const continuum::Covariance& covariance = *table.covariance;
-  const std::size_t size = covariance.names.size();
-  std::vector<double> slope(size);
-  double variance = 0.0;
-  for (std::size_t i = 0; i < size; ++i) {
-    slope[i] = derivative(table, covariance.names[i], std::sqrt(covariance(i, i)), number);
-  }
-  for (std::size_t i = 0; i < size; ++i) {
-    for (std::size_t j = 0; j < size; ++j) variance += slope[i] * covariance(i, j) * slope[j];
-  }
-  return {.value = number(table), .error = std::sqrt(std::max(0.0, variance))};
-}
 
 std::vector<LawPoint> law_curve(const continuum::RheologyTable& table,
                                 const continuum::Range& inertial_number,

@@ -1,11 +1,12 @@
 #pragma once
 
-#include <functional>
 #include <vector>
 
 #include "apps/report/report.h"
 
 namespace grainlaw::report {
+
+using calibration::propagated;
 
 /// One point of the fitted curves mu(I), phi(I) with the standard errors its covariance gives.
 struct LawPoint {
@@ -25,11 +26,6 @@ std::vector<LawPoint> law_curve(const continuum::RheologyTable& table,
 dem::Estimate inertial_number_at(const continuum::RheologyTable& table,
                                  double inclination,
                                  double softness);
-
-/// A number that follows from a table, with the standard error that the covariance of the table
-/// gives to it (linear propagation); without a covariance the error is NaN.
-dem::Estimate propagated(const continuum::RheologyTable& table,
-                         const std::function<double(const continuum::RheologyTable&)>& number);
 
 /// Names and standard errors of the coefficients of a table; NaN where it states none.
 struct Coefficient {

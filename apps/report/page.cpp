@@ -52,6 +52,10 @@ std::vector<Part> parts_of(const Report& report, const Figures& figures, const P
     return prediction_section(report, figures.profiles, pictures);
   });
   add(chutes, "start", "Start-up", [&] { return start_section(report, figures.starts, pictures); });
+  add(!report.flows.empty(), "flows", "Other flows", [&] {
+    return flow_section(report, figures.flows, pictures);
+  });
+  add(!report.tables.empty(), "scores", "Errors by kind", [&] { return score_section(report); });
   add(chutes, "bagnold", "Bagnold law", [&] { return bagnold_section(report); });
   add(report.series.has_value(), "series", "Series", [&] {
     return series_section(*report.series, figures.series, pictures);
@@ -111,6 +115,7 @@ Figures figures(const Report& report) {
   Figures result;
   result.law = law_figures(report);
   result.time = time_figures(report);
+  if (!report.flows.empty()) result.flows = flow_figures(report);
   if (report.series) result.series = series_figures(*report.series);
   if (report.material) result.material = material_figures(*report.material);
   if (report.contact_friction) {

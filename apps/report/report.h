@@ -6,13 +6,18 @@
 #include <vector>
 
 #include "calibration/bagnold_fit.h"
+#include "calibration/band_comparison.h"
 #include "calibration/comparison.h"
 #include "calibration/contact_friction_fit.h"
 #include "calibration/contact_series.h"
 #include "calibration/information.h"
 #include "calibration/material_band.h"
 #include "calibration/mu_phi_fit.h"
+#include "calibration/ring_band.h"
+#include "calibration/state_comparison.h"
 #include "continuum/chute_1d.h"
+#include "continuum/shear_band.h"
+#include "continuum/split_bottom.h"
 #include "dem/local_data.h"
 
 namespace grainlaw::report {
@@ -34,8 +39,64 @@ struct RunComparison {
   /// Closure A fitted at the nearest calibration tilt, used here as if a, b were constants.
   std::optional<calibration::ProfileError> foreign_bagnold_error;
   std::string foreign_bagnold_source;
-  double predict_seconds = 0.0;    ///< wall, steady + transient + band
-  std::vector<std::string> notes;  ///< what could not be fitted or compared, and why
+  calibration::ErrorBudget budget;  ///< of the velocity; zeros where `error` is absent
+  double predict_seconds = 0.0;     ///< wall, steady + transient + band
+  std::vector<std::string> notes;   ///< what could not be fitted or compared, and why
+};
+
+/// A shear band as one law predicts it, beside the measured one.
+struct BandPrediction {
+  continuum::ShearBand band;
+  std::optional<calibration::BandComparison> comparison;  ///< absent: one side has no profile
+};
+
+/// What one table says of a run of another flow than a chute.
+struct FlowPrediction {
+  calibration::SampleKind kind = calibration::SampleKind::independent;
+  /// The box itself; independent rows of plane shear and body-force box; heights of a ring cell.
+  std::vector<calibration::StateComparison> states;
+  std::optional<BandPrediction> local;                 ///< of plane shear and body-force box
+  std::optional<BandPrediction> nonlocal;              ///< with the amplitude of the report
+  std::optional<continuum::SplitBottom> split_bottom;  ///< geometry of the band of a ring cell
+};
+
+/// One run of another flow than a chute beside every table of the report.
+struct FlowComparison {
+  dem::LocalData data;
+  std::optional<calibration::RingBand> ring;  ///< of a split-bottom cell
+  double split_radius = 0.0;                  ///< R_s of it [length]
+  std::vector<FlowPrediction> tables;         ///< in the order of the report
+  std::vector<std::string> notes;
+};
+
+/// A of the nonlocal fluidity that the bands of a report are predicted with.
+struct NonlocalAmplitude {
+  double value = 0.0;
+  double error = 0.0;  ///< standard error; 0: it was given
+  std::string run;     ///< it was fitted to; empty: it was given
+  double local_chi_squared = 0.0;
+  double chi_squared = 0.0;
+  int points = 0;
+};
+
+/// One number by which one run judges one table.
+struct Score {
+  std::string run;
+  std::string flow;      ///< as scenes name it
+  std::string quantity;  ///< "u", "mu", "phi", ...
+  calibration::SampleKind kind = calibration::SampleKind::independent;
+  dem::Estimate difference;  ///< relative; a norm for profiles, else signed
+  double in_standard_errors = 0.0;
+  double condition_number = 0.0;  ///< d ln I / d ln mu; 0: it has no meaning there
+  std::optional<calibration::ErrorBudget> budget;
+  std::string remark;  ///< outcome, range flags
+};
+
+/// A table and how the runs judge it.
+struct TableScores {
+  std::string name;
+  continuum::RheologyTable table;
+  std::vector<Score> scores;  ///< same runs and quantities, in the same order, for every table
 };
 
 /// Error of law and prediction when only part of the DEM averaging time is used.
@@ -111,6 +172,10 @@ struct Report {
   std::optional<MaterialReport> material;
   std::optional<ContactFrictionReport> contact_friction;
   std::vector<RunComparison> runs;
+  std::vector<FlowComparison> flows;          ///< runs that are no chutes
+  std::optional<NonlocalAmplitude> nonlocal;  ///< of the bands among them
+  std::vector<RunComparison> left_out;        ///< fitted runs, the law refitted without each
+  std::vector<TableScores> tables;            ///< the first is `table`; empty: no scores asked
   std::vector<TimeErrorPoint> error_against_time;
   std::optional<SeriesReport> series;  ///< absent: no series was asked for
   std::vector<StageCost> costs;

@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "apps/report/flow_json.h"
 #include "apps/report/law_curve.h"
 #include "apps/report/material_json.h"
 #include "continuum/well_posedness.h"
@@ -105,7 +106,9 @@ json to_json(const calibration::ProfileError& error) {
           {"friction", to_json(error.friction)},
           {"surface_velocity", to_json(error.surface_velocity)},
           {"flux", to_json(error.flux)},
-          {"in_standard_errors", error.in_standard_errors}};
+          {"in_standard_errors", error.in_standard_errors},
+          {"velocity_top", error.velocity_top},
+          {"fraction_top", error.fraction_top}};
 }
 
 json to_json(const calibration::TransientError& moment) {
@@ -359,6 +362,8 @@ std::string report_json(const Report& report) {
                    {"certificate", to_json(continuum::well_posedness_map(report.table))},
                    {"fit", to_json(report.fit)},
                    {"runs", to_json(report.runs)},
+                   {"flows", flows_json(report)},
+                   {"scores", scores_json(report)},
                    {"error_against_time", to_json(report.error_against_time)},
                    {"costs", to_json(report.costs)}};
   if (report.series) document["series"] = to_json(*report.series);

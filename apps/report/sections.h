@@ -15,6 +15,7 @@ struct Figures {
   FigureGroup law;
   std::vector<FigureGroup> profiles;  ///< per run
   std::vector<FigureGroup> starts;    ///< per run
+  std::vector<FigureGroup> flows;     ///< of the runs that are no chutes
   FigureGroup time;
   FigureGroup series;
   std::vector<FigureGroup> material;
@@ -40,6 +41,10 @@ Html prediction_section(const Report& report,
 Html start_section(const Report& report,
                    const std::vector<FigureGroup>& groups,
                    const Pictures& pictures);
+Html flow_section(const Report& report,
+                  const std::vector<FigureGroup>& groups,
+                  const Pictures& pictures);
+Html score_section(const Report& report);
 Html bagnold_section(const Report& report);
 Html series_section(const SeriesReport& series, const FigureGroup& group, const Pictures& pictures);
 Html certificate_section(const Report& report);
@@ -71,8 +76,10 @@ Html run_label(const RunComparison& run);
 /// Runs of one kind, in the order of the report.
 std::vector<const RunComparison*> runs_of(const Report& report, calibration::SampleKind kind);
 inline constexpr calibration::SampleKind all_kinds[] = {calibration::SampleKind::in_sample,
+                                                        calibration::SampleKind::leave_one_out,
                                                         calibration::SampleKind::interpolation,
                                                         calibration::SampleKind::extrapolation,
+                                                        calibration::SampleKind::cross_geometry,
                                                         calibration::SampleKind::independent};
 
 }  // namespace grainlaw::report

@@ -112,6 +112,28 @@ std::optional<Line> error_line(const Report& report, SampleKind kind, const Html
   return Line{topic, "Velocity error at "_html + join(parts, "; "_html) + "."_html};
 }
 
+std::string flow_count(const Report& report, const std::string& geometry, const char* words) {
+  const auto number = std::ranges::count(report.flows, geometry, [](const FlowComparison& flow) {
+    return flow.data.conditions.geometry;
+  });
+  return number > 0 ? fmt::format("{} {}", number, words) : std::string();
+}
+
+std::optional<Line> flow_line(const Report& report) {
+  std::vector<Html> parts;
+  for (const std::string& part : {flow_count(report, "simple_shear", "of simple shear"),
+                                  flow_count(report, "plane_shear", "of plane shear"),
+                                  flow_count(report, "body_force_box", "of body-force boxes"),
+                                  flow_count(report, "split_bottom", "of ring cells")}) {
+    if (!part.empty()) parts.push_back(text(part));
+  }
+  if (parts.empty()) return std::nullopt;
+  return Line{
+      "Other flows"_html,
+      "Runs "_html + join(parts, ", "_html) +
+          R"(: see <a href="#flows">below</a>, and <a href="#scores">all errors</a>.)"_html};
+}
+
 std::optional<Line> start_line(const Report& report) {
   std::vector<Html> parts;
   for (const RunComparison& run : report.runs) {
@@ -218,9 +240,12 @@ std::vector<Line> lines(const Report& report) {
   add(volume_fraction_line(report));
   add(not_identifiable_line(report));
   add(error_line(report, SampleKind::in_sample, "In sample"_html));
+  add(error_line(report, SampleKind::leave_one_out, "Left out"_html));
   add(error_line(report, SampleKind::interpolation, "Interpolation"_html));
   add(error_line(report, SampleKind::extrapolation, "Extrapolation"_html));
+  add(error_line(report, SampleKind::cross_geometry, "Cross geometry"_html));
   add(error_line(report, SampleKind::independent, "Independent table"_html));
+  add(flow_line(report));
   if (report.runs.empty()) return result;
   add(start_line(report));
   add(answers_line(report));

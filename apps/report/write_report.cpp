@@ -39,6 +39,7 @@ std::vector<const FigureGroup*> all_groups(const Figures& figures) {
   std::vector<const FigureGroup*> groups = {&figures.law};
   for (const FigureGroup& group : figures.profiles) groups.push_back(&group);
   for (const FigureGroup& group : figures.starts) groups.push_back(&group);
+  for (const FigureGroup& group : figures.flows) groups.push_back(&group);
   groups.push_back(&figures.time);
   groups.push_back(&figures.series);
   for (const FigureGroup& group : figures.material) groups.push_back(&group);

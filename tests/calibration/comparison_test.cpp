@@ -57,6 +57,8 @@ TEST(SampleKind, IsDecidedByTheFittedTilts) {
   EXPECT_EQ(name(SampleKind::in_sample), "in sample");
   EXPECT_EQ(name(SampleKind::interpolation), "interpolation");
   EXPECT_EQ(name(SampleKind::extrapolation), "extrapolation");
+  EXPECT_EQ(name(SampleKind::leave_one_out), "left out");
+  EXPECT_EQ(name(SampleKind::cross_geometry), "cross geometry");
   EXPECT_EQ(name(SampleKind::independent), "independent table");
 }
 
@@ -108,6 +110,43 @@ TEST(ProfileError, BaseLayerCountsAndSaltatingLayerDoesNot) {
   EXPECT_EQ(profile_error(data, exact).velocity.value, 0.0);
   data.rows[1].velocity.value = 1.0;  // z = 0.5
   EXPECT_GT(profile_error(data, exact).velocity.value, 0.0);
+}
+
+TEST(ProfileError, PhiAndMuWithinReachOfTheSurfaceDoNotCountVelocityDoes) {
+  dem::LocalData data = local_data({.height = 20});
+  data.frames.kernel = {dem::KernelShape::lucy, 1.0};  // reaches 2
+  const Profile exact = profile_of(local_data({.height = 20}));
+  dem::LocalRow& high = data.rows[data.rows.size() - 2];  // z = 18.5, the surface is at 20
+  high.volume_fraction.value *= 0.8;
+  high.shear_stress.value *= 1.5;
+  ProfileError error = profile_error(data, exact);
+  EXPECT_EQ(error.volume_fraction.value, 0.0);
+  EXPECT_EQ(error.friction.value, 0.0);
+  EXPECT_EQ(error.velocity_top, 20.0);
+  EXPECT_EQ(error.fraction_top, 18.0);
+  high.velocity.value *= 2.0;
+  EXPECT_GT(profile_error(data, exact).velocity.value, 0.0);
+  data.rows[data.rows.size() - 3].volume_fraction.value *= 0.8;  // z = 17.5
+  EXPECT_GT(profile_error(data, exact).volume_fraction.value, 0.0);
+}
+
+TEST(ProfileError, BandAndScatterAreGivenInTheNormOfTheError) {
+  const dem::LocalData exact = local_data({});
+  dem::LocalData data = exact;
+  for (dem::LocalRow& row : data.rows) row.velocity.error = 0.02 * row.velocity.value;
+  Profile predicted = profile_of(exact, 1.05);
+  for (ProfileRow& row : predicted.rows) row.velocity_error = 0.03 * row.velocity / 1.05;
+  const ProfileError error = profile_error(data, predicted);
+  EXPECT_NEAR(error.statistics, 0.02, 1e-12);
+  EXPECT_NEAR(error.law, 0.03, 1e-12);
+  EXPECT_NEAR(velocity_distance(data, predicted, profile_of(exact)), 0.05, 1e-12);
+}
+
+TEST(ErrorBudget, TheRestIsWhatThePartsLeaveInSquares) {
+  const ErrorBudget budget{
+      .total = 0.13, .statistics = 0.03, .law = 0.04, .geometry = 0.0, .numerics = 0.0};
+  EXPECT_NEAR(budget.rest(), 0.12, 1e-15);
+  EXPECT_EQ((ErrorBudget{.total = 0.01, .statistics = 0.03}).rest(), 0.0);
 }
 
 TEST(ProfileError, NothingToCompareIsRefused) {

@@ -27,7 +27,11 @@ RheologyTable bagnold_table() {
   table.base = EffectiveBase{1.1, 0.55, "bumpy, thickness \"1.5\" d\n\ttab"};
   table.covariance = Covariance{{"a", "b"}, {1e-3, -0.2e-3, -0.2e-3, 4.123456789012345e-4}};
   table.range.inertial_number = Range{0.01, 0.3};
-  table.provenance = {"grainlaw 0.1", {"theta23", "theta24.2"}, {}};
+  table.provenance = {.source = "grainlaw 0.1",
+                      .geometry = "chute",
+                      .data = {"theta23", "theta24.2"},
+                      .digests = {"0123456789abcdef", "fedcba9876543210"},
+                      .checked_against = {}};
   return table;
 }
 
@@ -83,6 +87,8 @@ TEST(RheologyTableToml, ABagnoldTableKeepsEveryBitWordAndUnit) {
   expect_same_coefficients(table, again);
   EXPECT_EQ(again.base->recipe, table.base->recipe);
   EXPECT_EQ(again.provenance.data, table.provenance.data);
+  EXPECT_EQ(again.provenance.geometry, "chute");
+  EXPECT_EQ(again.provenance.digests, table.provenance.digests);
   EXPECT_EQ(again.definitions.stress, table.definitions.stress);
   EXPECT_EQ(again.range.inertial_number->upper, 0.3);
   EXPECT_FALSE(again.range.softness);

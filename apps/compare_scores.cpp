@@ -1,0 +1,165 @@
+#include "apps/compare_scores.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace grainlaw {
+namespace {
+
+using calibration::LawResidual;
+using calibration::StateComparison;
+using report::Score;
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+std::string flags_text(const std::vector<continuum::RangeFlag>& flags) {
+  std::string result;
+  for (const continuum::RangeFlag& flag : flags) {
+    result += (result.empty() ? "outside the data: " : ", ") + flag.quantity;
+  }
+  return result;
+}
+
+std::string flags_text(const std::vector<StateComparison>& states) {
+  std::vector<continuum::RangeFlag> all;
+  for (const StateComparison& state : states) {
+    for (const continuum::RangeFlag& flag : state.out_of_domain) {
+      const auto same = [&](const auto& other) { return other.quantity == flag.quantity; };
+      if (std::ranges::none_of(all, same)) all.push_back(flag);
+    }
+  }
+  return flags_text(all);
+}
+
+Score start(const report::FlowComparison& flow, const report::FlowPrediction& prediction) {
+  Score score{.run = flow.data.name,
+              .flow = flow.data.conditions.geometry,
+              .quantity = {},
+              .kind = prediction.kind,
+              .difference = {},
+              .budget = {},
+              .remark = {}};
+  return score;
+}
+
+/// Root mean square over states, with that of their standard errors beside it.
+double rms_error(const std::vector<StateComparison>& states,
+                 LawResidual StateComparison::*quantity) {
+  double sum = 0.0;
+  for (const StateComparison& state : states) sum += std::pow((state.*quantity).statistics, 2);
+  return std::sqrt(sum / static_cast<double>(states.size()));
+}
+
+double median_condition(const std::vector<StateComparison>& states) {
+  std::vector<double> numbers;
+  for (const StateComparison& state : states) numbers.push_back(state.condition_number);
+  std::ranges::sort(numbers);
+  return numbers[numbers.size() / 2];
+}
+
+double rms_in_errors(const std::vector<StateComparison>& states,
+                     LawResidual StateComparison::*quantity) {
+  double sum = 0.0;
+  for (const StateComparison& state : states)
+    sum += std::pow((state.*quantity).in_standard_errors, 2);
+  return std::sqrt(sum / static_cast<double>(states.size()));
+}
+
+/// Those inside the data of the table; all of them where none is.
+std::vector<StateComparison> judged(const std::vector<StateComparison>& states) {
+  std::vector<StateComparison> inside;
+  for (const StateComparison& state : states) {
+    if (state.out_of_domain.empty()) inside.push_back(state);
+  }
+  return inside.empty() ? states : inside;
+}
+
+Score state_score(const report::FlowComparison& flow,
+                  const report::FlowPrediction& prediction,
+                  const char* name,
+                  LawResidual StateComparison::*quantity) {
+  Score score = start(flow, prediction);
+  score.quantity = name;
+  const std::vector<StateComparison> states = judged(prediction.states);
+  if (states.empty()) {
+    score.in_standard_errors = nan;
+    score.remark = flow.data.window.steady ? "no state of flow" : "DEM not steady";
+    return score;
+  }
+  const LawResidual& first = states.front().*quantity;
+  const bool one = prediction.states.size() == 1;
+  score.difference = one ? dem::Estimate{first.difference, first.statistics}
+                         : dem::Estimate{calibration::rms_difference(states, quantity),
+                                         rms_error(states, quantity)};
+  score.in_standard_errors = one ? first.in_standard_errors : rms_in_errors(states, quantity);
+  score.condition_number = median_condition(states);
+  score.remark = flags_text(states);
+  if (one) return score;
+  score.remark = fmt::format(
+      "rms of {} states{}{}", states.size(), score.remark.empty() ? "" : ", ", score.remark);
+  const std::size_t outside = prediction.states.size() - states.size();
+  if (outside > 0) score.remark += fmt::format("; {} more outside the data", outside);
+  return score;
+}
+
+Score band_score(const report::FlowComparison& flow,
+                 const report::FlowPrediction& prediction,
+                 const report::BandPrediction& band,
+                 const char* name) {
+  Score score = start(flow, prediction);
+  score.quantity = name;
+  score.condition_number = band.band.answer.condition_number;
+  if (score.condition_number == 0.0 && !prediction.states.empty())
+    score.condition_number = median_condition(judged(prediction.states));
+  score.remark = std::string(continuum::name(band.band.answer.outcome));
+  if (band.band.local_band_collapse) score.remark += ", LOCAL_BAND_COLLAPSE";
+  const std::string flags = flags_text(band.band.answer.out_of_domain);
+  if (!flags.empty()) score.remark += "; " + flags;
+  score.in_standard_errors = nan;
+  if (!flow.data.window.steady) score.remark += "; DEM not steady";
+  if (!band.comparison) return score;
+  score.difference = band.comparison->profile.velocity;
+  score.in_standard_errors = band.comparison->profile.in_standard_errors;
+  score.budget = band.comparison->budget;
+  return score;
+}
+
+}  // namespace
+
+Score score_of(const report::RunComparison& run) {
+  Score score{.run = run.data.name,
+              .flow = run.data.conditions.geometry,
+              .quantity = "u",
+              .kind = run.kind,
+              .difference = {},
+              .in_standard_errors = nan,
+              .condition_number = run.steady.answer.condition_number,
+              .budget = {},
+              .remark = std::string(continuum::name(run.steady.answer.outcome))};
+  const std::string flags = flags_text(run.steady.answer.out_of_domain);
+  if (!flags.empty()) score.remark += "; " + flags;
+  if (!run.data.window.steady) score.remark += "; DEM not steady";
+  if (!run.error) return score;
+  score.difference = run.error->velocity;
+  score.in_standard_errors = run.error->in_standard_errors;
+  score.budget = run.budget;
+  return score;
+}
+
+std::vector<Score> scores_of(const report::FlowComparison& flow, std::size_t table) {
+  const report::FlowPrediction& prediction = flow.tables.at(table);
+  std::vector<Score> scores;
+  if (!prediction.states.empty() || !prediction.local) {
+    scores.push_back(state_score(flow, prediction, "mu", &StateComparison::friction));
+    scores.push_back(state_score(flow, prediction, "phi", &StateComparison::volume_fraction));
+  }
+  if (prediction.local) scores.push_back(band_score(flow, prediction, *prediction.local, "u"));
+  if (prediction.nonlocal)
+    scores.push_back(band_score(flow, prediction, *prediction.nonlocal, "u, nonlocal"));
+  return scores;
+}
+
+}  // namespace grainlaw

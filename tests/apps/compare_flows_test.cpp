@@ -1,0 +1,119 @@
+// `grainlaw compare` on runs that are no chutes, as a person meets it.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Output {
+  int code = -1;
+  std::string text;  ///< stdout and stderr
+};
+
+Output grainlaw(const std::string& arguments) {
+  Output output;
+  const std::string command = std::string(GRAINLAW_BIN) + "/grainlaw " + arguments + " 2>&1";
+  FILE* pipe = popen(command.c_str(), "r");
+  if (pipe == nullptr) return output;
+  std::array<char, 4096> buffer{};
+  while (std::size_t n = std::fread(buffer.data(), 1, buffer.size(), pipe)) {
+    output.text.append(buffer.data(), n);
+  }
+  const int status = pclose(pipe);
+  output.code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  return output;
+}
+
+const std::string tables = std::string(GRAINLAW_DATA) + "/tables/";
+
+/// One small run of plane shear and one of simple shear, made once.
+class CompareFlows : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    fs::create_directories(folder);
+    run("walls",
+        "units = \"grain\"\n[contact.normal]\nlaw = \"hooke\"\nstiffness = 2e4\nrestitution = 0.7\n"
+        "[contact.friction]\nlaw = \"sliding\"\ncoefficient = 0.5\n"
+        "[geometry]\nkind = \"plane_shear\"\nvelocity = 2.0\nload = 10.0\nlength = 6.0\n"
+        "width = 6.0\ngrains = 330\n[geometry.wall]\nrecipe = \"bumpy\"\n"
+        "[measurement]\naveraging_time = 10.0\ntime_limit = 30.0\n");
+    run("box",
+        "units = \"stiffness\"\n[contact.normal]\nlaw = \"hooke\"\ndashpot = 0.05\n"
+        "[contact.friction]\nlaw = \"sliding\"\ncoefficient = 0.5\n"
+        "[geometry]\nkind = \"simple_shear\"\nshear_rate = 1e-2\npressure = 0.01\ngrains = 150\n"
+        "volume_fraction = 0.55\n[measurement]\naveraging_time = 600.0\ntime_limit = 2000.0\n");
+  }
+  static void TearDownTestSuite() { fs::remove_all(folder); }
+
+  static void run(const std::string& name, const std::string& scene) {
+    std::ofstream(folder / (name + ".toml")) << "name = \"" << name << "\"\n" << scene;
+    const Output made = grainlaw("dem " + file(name, ".toml") + " --quiet -o " + file(name));
+    ASSERT_TRUE(fs::exists(file(name))) << made.text;
+  }
+  static std::string file(const std::string& name, const std::string& ending = ".h5") {
+    return (folder / (name + ending)).string();
+  }
+  static nlohmann::json report(const std::string& name) {
+    std::ifstream in(folder / name / "report.json");
+    return nlohmann::json::parse(in);
+  }
+
+  static inline const fs::path folder =
+      fs::temp_directory_path() / ("grainlaw-compare-" + std::to_string(getpid()));
+};
+
+TEST_F(CompareFlows, EveryRunIsHeldAgainstEveryTable) {
+  const Output answer =
+      grainlaw("compare " + file("walls") + " " + file("box") + " --table " + tables +
+               "shi2020_mu_p_0.50.toml " + tables +
+               "shi2020_mu_p_0.01.toml --nonlocal 0.48 --json -o " + file("both", ""));
+  ASSERT_EQ(answer.code, 0) << answer.text;
+  EXPECT_NE(answer.text.find("contact friction 0.5"), std::string::npos) << "another material";
+  const auto json = report("both");
+  ASSERT_EQ(json["flows"].size(), 2u);
+  ASSERT_EQ(json["scores"].size(), 2u);
+  const auto& walls = json["flows"][0]["tables"][0];
+  EXPECT_EQ(walls["kind"], "independent table");
+  EXPECT_FALSE(walls["local"].is_null());
+  EXPECT_FALSE(walls["nonlocal"].is_null());
+  const auto& box = json["flows"][1]["tables"][0]["states"];
+  ASSERT_EQ(box.size(), 1u);
+  // I = gd sqrt(rho_p / p) d and p* as the scene asks for them: 1e-2 / sqrt(0.01), 0.01. The
+  // pressure is held to a few percent over a run this short.
+  EXPECT_NEAR(box[0]["inertial_number"]["value"].get<double>(), 0.1, 0.005);
+  EXPECT_NEAR(box[0]["softness"]["value"].get<double>(), 0.01, 0.001);
+  EXPECT_GT(box[0]["condition_number"].get<double>(), 1.0);
+}
+
+TEST_F(CompareFlows, ACheckSaysWhatTheTableAnswers) {
+  const Output answer = grainlaw("compare " + file("walls") + " --table " + tables +
+                                 "shi2020_mu_p_0.50.toml --check");
+  EXPECT_EQ(answer.code, 0) << answer.text;
+  EXPECT_NE(answer.text.find("plane_shear"), std::string::npos) << answer.text;
+  EXPECT_NE(answer.text.find("STEADY"), std::string::npos) << answer.text;
+}
+
+TEST_F(CompareFlows, ALawOfOneTiltIsRefusedForOtherFlows) {
+  const Output answer = grainlaw("compare " + file("box") + " --table " + tables +
+                                 "brewster2008_example.toml -o " + file("refused", ""));
+  EXPECT_EQ(answer.code, 1);
+  EXPECT_NE(answer.text.find("mu(I)"), std::string::npos) << answer.text;
+}
+
+TEST_F(CompareFlows, AnAmplitudeNeedsABand) {
+  const Output answer = grainlaw("compare " + file("box") + " --table " + tables +
+                                 "shi2020_mu_p_0.50.toml --fit-nonlocal -o " + file("none", ""));
+  EXPECT_EQ(answer.code, 1);
+  EXPECT_NE(answer.text.find("--fit-nonlocal needs"), std::string::npos) << answer.text;
+}
+
+}  // namespace
