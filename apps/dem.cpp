@@ -124,6 +124,8 @@ ExitCode run(Arguments arguments, const CommonOptions& options) {
                     resume_command(arguments)));
     return ExitCode::stopped;
   }
+  const bool time_run = !result.data.conditions.tilts.empty();
+  if (time_run && result.data.window.arrested_at) return ExitCode::answered;
   if (!result.data.window.steady) {
     throw NoAnswer("no steady state: " + result.data.window.reason);
   }

@@ -190,9 +190,18 @@ Summary describe(const dem::LocalData& data) {
   summary.add("geometry", "geometry", data.conditions.geometry);
   if (data.conditions.geometry == "chute") {
     summary.add("inclination", "tilt", io::degrees(data.conditions.inclination), "degrees");
+    for (std::size_t k = 1; k < data.conditions.tilts.size(); ++k) {
+      summary.add(fmt::format("tilt_time_{}", k),
+                  k == 1 ? "  changed at" : "  and at",
+                  data.conditions.tilts[k].time,
+                  "sqrt(d/g)");
+    }
   }
   summary.add("steady", "steady", data.window.steady);
   summary.add("reason", "  because", data.window.reason);
+  if (data.window.arrested_at) {
+    summary.add("arrested_at", "arrested at", *data.window.arrested_at, "sqrt(d/g)");
+  }
   summary.add("window_begin", "averaged from", data.window.begin, "sqrt(d/g)");
   summary.add("window_end", "to", data.window.end, "sqrt(d/g)");
   if (!data.rows.empty()) {

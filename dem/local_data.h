@@ -11,6 +11,7 @@
 #include "dem/lifetime_statistics.h"
 #include "dem/profile_frames.h"
 #include "dem/ring_grid.h"
+#include "dem/tilt_step.h"
 
 namespace grainlaw::dem {
 
@@ -18,7 +19,7 @@ namespace grainlaw::dem {
 /// In the units of the run.
 struct ChuteConditions {
   std::string geometry = "chute";  ///< fits and predictions so far take chutes
-  double inclination = 0.0;        ///< theta [rad]
+  double inclination = 0.0;        ///< theta [rad]; of the rows, where it changed on the way
   double gravity = 1.0;            ///< g [length/time^2]
   double grain_diameter = 1.0;     ///< d [length]
   double grain_density = 0.0;      ///< rho_p [mass/length^3]
@@ -28,6 +29,8 @@ struct ChuteConditions {
   double mass_per_area = 0.0;      ///< of the flowing grains [mass/length^2]
   double shear_rate = 0.0;         ///< imposed on the whole box [1/time]; 0: none
   std::string base{};              ///< recipe of the base in words, equal for equal bases
+  /// Every tilt of the run, the first at time 0, where it changed on the way; empty: it did not.
+  std::vector<TiltStep> tilts{};
 };
 
 /// Fields of one row at the width of the kernel, averaged over the steady window, with standard
@@ -58,10 +61,10 @@ Convergence worst_convergence(const std::vector<LocalRow>& rows, Estimate LocalR
 /// The part of a run that is averaged.
 struct SteadyWindow {
   bool steady = false;
-  double begin = 0.0;  ///< [time]
-  double end = 0.0;    ///< [time]
-  std::string
-      reason;  ///< in words: why steady, or why not (accelerating, arrested, drifting, short)
+  double begin = 0.0;    ///< [time]
+  double end = 0.0;      ///< [time]
+  std::string reason{};  ///< in words: why steady, or why not (accelerating, arrested, ...)
+  std::optional<double> arrested_at{};  ///< when the layer came to rest, if it did [time]
 };
 
 /// What a run cost and how far it can be trusted.

@@ -109,19 +109,39 @@ void check_base(const FlatBase&, std::string_view, const Grains&) {}
 void check_base(const Base& base, std::string_view section, const Grains& grains) {
   std::visit([&](const auto& recipe) { check_base(recipe, section, grains); }, base);
 }
-void check_inclination(double inclination) {
+void check_inclination(double inclination, std::string_view key) {
   const double degrees = inclination * 180.0 / std::numbers::pi;
   if (degrees >= 0.0 && degrees < 90.0) return;
-  refuse({geometry, "inclination"},
-         fmt::format("inclination = {:.6g} degrees: must lie in [0, 90){}",
+  refuse({geometry, key},
+         fmt::format("{} = {:.6g} degrees: must lie in [0, 90){}",
+                     key,
                      degrees,
                      degrees < 0.0 ? "; a negative tilt flows in -x, where velocity, shear rate "
                                      "and shear stress change sign: mirror the scene"
                                    : ""));
 }
 
+void check_tilts(const Chute& chute, const Scene& scene) {
+  constexpr Place at{geometry, "tilt_times"};
+  double before = 0.0;
+  for (const TiltStep& tilt : chute.tilts) {
+    check_inclination(tilt.inclination, "tilts");
+    if (!(tilt.time > before)) {
+      refuse(at, fmt::format("tilt_times: {:.6g} does not follow {:.6g}", tilt.time, before));
+    }
+    before = tilt.time;
+  }
+  if (before < scene.measurement.time_limit) return;
+  refuse(at,
+         fmt::format("tilt_times: the last one, {:.6g}, must be below time_limit = {:.6g}, where "
+                     "the run ends",
+                     before,
+                     scene.measurement.time_limit));
+}
+
 void check(const Chute& chute, const Scene& scene) {
-  check_inclination(chute.inclination);
+  check_inclination(chute.inclination, "inclination");
+  check_tilts(chute, scene);
   require_positive(chute.gravity, {geometry, "gravity"}, "gravity");
   check_count(grains(scene), "flow", {geometry, "grains"});
   check_period("length", chute.length, scene);

@@ -177,15 +177,50 @@ void read_provenance(const Hdf5Reader& in, RunRecord& record) {
   record.scene_text = in.text("scene");
 }
 
-void write_data(Hdf5Writer& out, const LocalData& data) {
+void write_conditions(Hdf5Writer& out, const ChuteConditions& conditions) {
   out.group("conditions");
-  write_fields(out, "conditions", data.conditions, condition_fields);
-  out.attribute("conditions", "geometry", data.conditions.geometry);
-  out.attribute("conditions", "base", data.conditions.base);
+  write_fields(out, "conditions", conditions, condition_fields);
+  out.attribute("conditions", "geometry", conditions.geometry);
+  out.attribute("conditions", "base", conditions.base);
+  if (conditions.tilts.empty()) return;
+  write_column(out, "conditions/tilt_times", conditions.tilts, dimension::time, &TiltStep::time);
+  write_column(out, "conditions/tilts", conditions.tilts, {}, &TiltStep::inclination);
+}
+
+ChuteConditions read_conditions(const Hdf5Reader& in) {
+  ChuteConditions conditions;
+  read_fields(in, "conditions", conditions, condition_fields);
+  conditions.geometry = in.text("conditions", "geometry");
+  conditions.base = in.text("conditions", "base");
+  if (!in.has("conditions/tilt_times")) return conditions;
+  conditions.tilts.resize(length_of(in, "conditions/tilt_times"));
+  read_column(in, "conditions/tilt_times", conditions.tilts, &TiltStep::time);
+  read_column(in, "conditions/tilts", conditions.tilts, &TiltStep::inclination);
+  return conditions;
+}
+
+void write_window(Hdf5Writer& out, const SteadyWindow& window) {
   out.group("window");
-  write_fields(out, "window", data.window, window_fields);
-  out.attribute("window", "steady", std::int64_t{data.window.steady});
-  out.attribute("window", "reason", data.window.reason);
+  write_fields(out, "window", window, window_fields);
+  out.attribute("window", "steady", std::int64_t{window.steady});
+  out.attribute("window", "reason", window.reason);
+  if (!window.arrested_at) return;
+  out.group("window/arrest");
+  out.attribute("window/arrest", "time", *window.arrested_at);
+}
+
+SteadyWindow read_window(const Hdf5Reader& in) {
+  SteadyWindow window;
+  read_fields(in, "window", window, window_fields);
+  window.steady = in.integer("window", "steady") != 0;
+  window.reason = in.text("window", "reason");
+  if (in.has("window/arrest")) window.arrested_at = in.number("window/arrest", "time");
+  return window;
+}
+
+void write_data(Hdf5Writer& out, const LocalData& data) {
+  write_conditions(out, data.conditions);
+  write_window(out, data.window);
   write_rows(out, data.rows, slides(data.frames));
   write_frames(out, data.frames);
   write_widths(out, data);
@@ -199,12 +234,8 @@ void write_data(Hdf5Writer& out, const LocalData& data) {
 }
 
 void read_data(const Hdf5Reader& in, LocalData& data) {
-  read_fields(in, "conditions", data.conditions, condition_fields);
-  data.conditions.geometry = in.text("conditions", "geometry");
-  data.conditions.base = in.text("conditions", "base");
-  read_fields(in, "window", data.window, window_fields);
-  data.window.steady = in.integer("window", "steady") != 0;
-  data.window.reason = in.text("window", "reason");
+  data.conditions = read_conditions(in);
+  data.window = read_window(in);
   data.frames = read_frames(in);
   const bool friction = slides(data.frames);
   data.rows = read_rows(in, friction);

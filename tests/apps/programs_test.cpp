@@ -195,6 +195,23 @@ TEST_F(Programs, ALayerThatStaysAtRestEndsWithItsReason) {
   EXPECT_TRUE(fs::exists(path("rest.h5")));
 }
 
+TEST_F(Programs, ArrestAfterATiltIsAnAnswerWithItsTime) {
+  const std::string laid_back = "\ntilt_times = [30.0]\ntilts = [12.0]";
+  const std::string scene = small_scene("26" + laid_back);
+  const Output answer = grainlaw("dem " + scene + " --json -o " + path("laid.h5"));
+  EXPECT_EQ(answer.code, 0) << answer.text;
+  const auto json = nlohmann::json::parse(answer.text.substr(answer.text.find('{')));
+  EXPECT_FALSE(json["steady"].get<bool>());
+  EXPECT_GT(json["arrested_at"].get<double>(), 30.0);
+  EXPECT_EQ(json["inclination"].get<double>(), 12.0);
+}
+
+TEST_F(Programs, TiltsAndTheirTimesHaveToBeEquallyMany) {
+  const Output answer = grainlaw("dem " + small_scene("26\ntilts = [12.0]") + " --check");
+  EXPECT_EQ(answer.code, 1);
+  EXPECT_NE(answer.text.find("equally long"), std::string::npos) << answer.text;
+}
+
 TEST_F(Programs, ASteepLayerIsCalledAcceleratingBeforeItsTimeIsUp) {
   const Output answer = grainlaw("dem " + small_scene("40") + " --quiet -o " + path("steep.h5"));
   EXPECT_EQ(answer.code, 2);
