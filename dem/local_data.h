@@ -12,6 +12,7 @@
 #include "dem/profile_frames.h"
 #include "dem/ring_grid.h"
 #include "dem/tilt_step.h"
+#include "dem/time_scales.h"
 
 namespace grainlaw::dem {
 
@@ -48,12 +49,20 @@ struct LocalRow {
   Estimate temperature;      ///< mean square velocity fluctuation per component [(length/time)^2]
   Estimate inertial_number;  ///< I = gd d sqrt(rho_p / sigma_zz)  (Shi et al. 2020, eq. 10)
   Estimate softness;         ///< p* = sigma_zz d / k_n            (Shi et al. 2020, eq. 11)
-  Estimate friction;         ///< mu = sigma_xz / sigma_zz
-  Estimate coordination;     ///< Z, every contact counted for both grains
-  Estimate dissipation;      ///< of a contact [power]
-  Estimate sliding_share;    ///< of contacts; not a number for grains without friction
+  Estimate bond_number;      ///< Bo = f_a / (sigma_zz d^2)        (Shi et al. 2020, eq. 12);
+                             ///< not a number without attraction
+  Estimate scaled_temperature;     ///< T* = rho_p T / sigma_zz
+  Estimate bulk_inertial_number;   ///< I sqrt(phi): with the density of the bulk (below eq. 10)
+  Estimate friction;               ///< mu = sigma_xz / sigma_zz
+  Estimate coordination;           ///< Z, every contact counted for both grains
+  Estimate dissipation;            ///< of a contact [power]
+  Estimate sliding_share;          ///< of contacts; not a number for grains without friction
   double effective_samples = 0.0;  ///< N_eff of the velocity (Flyvbjerg-Petersen)
 };
+
+/// Time scales of a row, and I, p*, Bo, T* with them (Shi et al. 2020, eqs. 5-12); p is sigma_zz.
+TimeScales time_scales(const ChuteConditions& conditions, const LocalRow& row);
+DimensionlessNumbers dimensionless_numbers(const ChuteConditions& conditions, const LocalRow& row);
 
 /// What can be said of a field in all rows: the word of its row of fewest independent samples.
 Convergence worst_convergence(const std::vector<LocalRow>& rows, Estimate LocalRow::*field);
