@@ -154,9 +154,26 @@ void check(const Chute& chute, const Scene& scene) {
               fmt::format("length x width = {:.6g} x {:.6g}", chute.length, chute.width));
 }
 
+/// p* = p d / k_n is about the overlap of grains over their diameter.
+void check_load(std::string_view key, double load, const Scene& scene) {
+  constexpr double most = 1.0;
+  const auto* hooke = std::get_if<Hooke>(&scene.normal);
+  if (hooke == nullptr) return;
+  const double softness = load * scene.grains.diameter / hooke->stiffness;
+  if (softness < most) return;
+  refuse({geometry, key},
+         fmt::format("{} = {:.4g}: presses grains into each other by their whole size (p d / k_n = "
+                     "{:.3g}, must be below {})",
+                     key,
+                     load,
+                     softness,
+                     most));
+}
+
 void check(const SimpleShear& shear, const Scene& scene) {
   require_positive(shear.shear_rate, {geometry, "shear_rate"}, "shear_rate");
   if (shear.pressure) require_not_negative(*shear.pressure, {geometry, "pressure"}, "pressure");
+  check_load("pressure", shear.pressure.value_or(0.0), scene);
   check_count(grains(scene), "shear", {geometry, "grains"});
   if (!scene.start.empty()) require_positive(shear.size.x, {geometry, "length"}, "length");
   const Vec3 size = start_size(scene.grains, shear);
@@ -170,6 +187,7 @@ void check(const SimpleShear& shear, const Scene& scene) {
 void check(const PlaneShear& shear, const Scene& scene) {
   require_positive(shear.velocity, {geometry, "velocity"}, "velocity");
   if (shear.load) require_positive(*shear.load, {geometry, "load"}, "load");
+  check_load("load", shear.load.value_or(0.0), scene);
   require_not_negative(shear.gravity, {geometry, "gravity"}, "gravity");
   check_count(grains(scene), "shear", {geometry, "grains"});
   check_period("length", shear.length, scene);
@@ -190,6 +208,7 @@ void check(const PlaneShear& shear, const Scene& scene) {
 void check(const BodyForceBox& box, const Scene& scene) {
   require_positive(box.amplitude, {geometry, "amplitude"}, "amplitude");
   require_positive(box.pressure, {geometry, "pressure"}, "pressure");
+  check_load("pressure", box.pressure, scene);
   check_count(grains(scene), "flow", {geometry, "grains"});
   check_period("length", box.length, scene);
   check_period("width", box.width, scene);
