@@ -69,15 +69,6 @@ TEST(BodyForceBoxPacking, TheHeightFollowsFromTheVolumeFraction) {
   EXPECT_TRUE(at_rest(state.grains));
 }
 
-/// A small ring cell of unequal grains, 60 degrees of it.
-SplitBottom small_ring() {
-  return {.inner_radius = 4.0,
-          .split_radius = 7.0,
-          .outer_radius = 10.0,
-          .wedge = std::numbers::pi / 3.0,
-          .grains = 400};
-}
-
 TEST(SplitBottomPacking, GrainsKeepBetweenTheCylindersAndInsideTheSector) {
   const SplitBottom ring = small_ring();
   const InitialState state = initial_state(scene_of(ring, 2.0));

@@ -165,4 +165,13 @@ inline Box cube_for(const std::vector<double>& sizes, double volume_fraction) {
   return box_of({edge, edge, edge});
 }
 
+/// A small ring cell of unequal grains, 60 degrees of it.
+inline SplitBottom small_ring() {
+  return {.inner_radius = 4.0,
+          .split_radius = 7.0,
+          .outer_radius = 10.0,
+          .wedge = std::numbers::pi / 3.0,
+          .grains = 400};
+}
+
 }  // namespace grainlaw::dem::test
