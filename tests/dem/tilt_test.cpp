@@ -47,8 +47,12 @@ TEST(Tilt, LayerThatIsLaidBackArrestsAndTheRunSaysWhen) {
   const double rest = *data.window.arrested_at;
   EXPECT_GT(rest, 13.0);
   for (const ProfileFrame& frame : data.frames.frames) {
-    if (frame.begin >= rest) EXPECT_LE(std::abs(mean_velocity(frame)), 1e-3) << frame.begin;
-    if (frame.end == rest) EXPECT_GT(mean_velocity(frame), 1e-3);
+    if (frame.begin >= rest) {
+      EXPECT_LE(std::abs(mean_velocity(frame)), 1e-3) << frame.begin;
+    }
+    if (frame.end == rest) {
+      EXPECT_GT(mean_velocity(frame), 1e-3);
+    }
   }
   // Rest is seen after 20 time units, by whole frames of 2.
   EXPECT_NEAR(data.window.end, rest + 20.0, 2.1);
