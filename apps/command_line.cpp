@@ -71,7 +71,10 @@ void CommandLine::option(const std::string& name,
                          std::string& target,
                          const std::string& help,
                          bool is_required) {
-  parser_->app.add_option(name, target, help)->required(is_required);
+  const auto not_empty = [](const std::string& text) {
+    return text.empty() ? std::string("an empty text is given") : std::string{};
+  };
+  parser_->app.add_option(name, target, help)->required(is_required)->check(not_empty);
 }
 
 void CommandLine::option_list(const std::string& name,

@@ -33,7 +33,7 @@ bool has_profile(const continuum::SteadyChute& steady) {
 /// Of the start from rest, where the frames hold it.
 std::vector<double> frame_times(const dem::LocalData& data) {
   std::vector<double> times;
-  if (!data.frames.from_rest) return times;
+  if (!data.frames.from_rest || !data.conditions.tilts.empty()) return times;
   for (const dem::ProfileFrame& frame : data.frames.frames) {
     times.push_back(0.5 * (frame.begin + frame.end));
   }

@@ -10,6 +10,7 @@
 #include "apps/io/local_data_hdf5.h"
 #include "apps/program.h"
 #include "apps/progress.h"
+#include "apps/run_plot.h"
 #include "apps/scene_run.h"
 
 namespace grainlaw {
@@ -26,6 +27,7 @@ struct Arguments {
   double checkpoint_interval = 60.0;  ///< [s]
   std::string trajectory;             ///< time between two snapshots; empty: none
   std::string export_format;
+  std::string plot;  ///< picture of the profiles; empty: none
 };
 
 std::string progress_text(const dem::Progress& now, const Pace& pace) {
@@ -72,6 +74,7 @@ std::string resume_command(const Arguments& arguments) {
   std::string more = arguments.allow_step ? " --allow-step" : "";
   if (!arguments.trajectory.empty()) more += " --trajectory " + arguments.trajectory;
   if (!arguments.export_format.empty()) more += " --export " + arguments.export_format;
+  if (!arguments.plot.empty()) more += " --plot " + arguments.plot;
   return fmt::format("grainlaw dem {} -o {}{} --resume", arguments.scene, arguments.output, more);
 }
 
@@ -101,6 +104,22 @@ Summary summarise(const SceneRun& run, const std::string& output) {
   return summary;
 }
 
+/// Before a long run: can it be drawn and written at the end?
+void require_picture(const Arguments& arguments) {
+  refuse_overwriting_input(arguments.plot, {arguments.scene, arguments.output});
+  require_plottable(arguments.plot);
+  require_writable(arguments.plot);
+}
+
+/// A run without rows has nothing to draw; its answer says why.
+void plot_if_measured(const dem::LocalData& data, const std::string& picture) {
+  if (data.rows.empty()) {
+    say("grainlaw dem: no layer was measured, " + picture + " is not drawn");
+  } else {
+    plot(data, picture);
+  }
+}
+
 ExitCode run(Arguments arguments, const CommonOptions& options) {
   const io::SceneFile file =
       io::read_scene(arguments.scene, {.allow_unstable_step = arguments.allow_step});
@@ -113,10 +132,12 @@ ExitCode run(Arguments arguments, const CommonOptions& options) {
   refuse_overwriting_input(output, {arguments.scene});
   trajectory_interval(arguments);
   require_writable(output);  // now, not after a long run
+  if (!arguments.plot.empty()) require_picture(arguments);
   catch_stop_signals();
   if (arguments.max_wall > 0.0) stop_after(arguments.max_wall);
   const SceneRun result = run_with_progress(file, arguments, options);
   print(summarise(result, output), options);
+  if (!arguments.plot.empty()) plot_if_measured(result.data, arguments.plot);
   if (result.stopped) {
     say(fmt::format("grainlaw dem: stopped {}; what was measured so far is in {}; to go on:\n  {}",
                     stop_reason(),
@@ -124,6 +145,8 @@ ExitCode run(Arguments arguments, const CommonOptions& options) {
                     resume_command(arguments)));
     return ExitCode::stopped;
   }
+  const bool time_run = !result.data.conditions.tilts.empty();
+  if (time_run && result.data.window.arrested_at) return ExitCode::answered;
   if (!result.data.window.steady) {
     throw NoAnswer("no steady state: " + result.data.window.reason);
   }
@@ -157,6 +180,7 @@ int main(int argc, char** argv) {
   line.option(
       "--trajectory", arguments.trajectory, "grains every so often [sqrt(d/g)], for ParaView");
   line.option("--export", arguments.export_format, "xyz: as extended XYZ too, for OVITO");
+  line.option("--plot", arguments.plot, "draw the profiles too, as FILE.svg or FILE.png");
   line.threads("of the engine (default: 1)", 1);
   if (const auto code = line.parse(argc, argv)) return *code;
   return run_program("grainlaw dem", [&] { return run(arguments, options); });

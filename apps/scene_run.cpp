@@ -9,7 +9,6 @@
 #include "apps/progress.h"
 #include "dem/run.h"
 #include "dem/statistics.h"
-#include "dem/time_scales.h"
 
 namespace grainlaw {
 namespace {
@@ -51,6 +50,16 @@ void add_lifetimes(const dem::LifetimeStatistics& lifetimes, Summary& summary) {
   constexpr std::size_t level = 1;  // P = 0.1
   if (lifetimes.distances.empty()) return;
   const dem::LifetimeDistribution& narrow = lifetimes.distances.front();
+  const dem::LifetimeDistribution& wide = lifetimes.distances.back();
+  if (wide.contacts + wide.unfinished + wide.unknown == 0.0) {
+    summary.add("lifetime_warning",
+                "warning",
+                fmt::format("no contact begins in the slice z = {:.4g} to {:.4g} d: choose "
+                            "slice_centre inside the layer",
+                            lifetimes.slice_begin,
+                            lifetimes.slice_end));
+    return;
+  }
   summary.add("contacts", "contacts followed", narrow.contacts);
   const auto add = [&](const char* key, const char* label, dem::Estimate x, const char* unit) {
     summary.add_estimate(key, label, x.value, x.error, unit);
@@ -106,7 +115,7 @@ Summary check_scene(const io::SceneFile& file) {
                           scene.time_step > 0.0 ? "given in the scene" : "default"));
   summary.add(
       "time_step_limit", "  at most", shortest / dem::limits::least_steps_per_contact, "sqrt(d/g)");
-  summary.add("memory", "memory", memory_megabytes(scene), "MB");
+  summary.add("memory", "memory, about", std::ceil(memory_megabytes(scene)), "MB");
   summary.add("run_time_shortest", "run time, at least", duration_text(time.least));
   summary.add("run_time_longest", "run time, at most", duration_text(time.most));
   return summary;
@@ -134,18 +143,6 @@ const dem::FieldRow* row_at(const dem::WidthFields& fields, double z) {
   return inside ? &fields.values[static_cast<std::size_t>(k)] : nullptr;
 }
 
-/// I, p*, Bo and T* of a row (Shi et al. 2020, eqs. 10-12).
-dem::DimensionlessNumbers numbers_of(const dem::LocalRow& row, const dem::ChuteConditions& c) {
-  return dem::dimensionless_numbers(dem::time_scales({.grain_density = c.grain_density,
-                                                      .diameter = c.grain_diameter,
-                                                      .stiffness = c.stiffness,
-                                                      .attraction = c.attraction,
-                                                      .gravity = c.gravity,
-                                                      .shear_rate = row.shear_rate.value,
-                                                      .pressure = row.normal_stress.value,
-                                                      .temperature = row.temperature.value}));
-}
-
 /// How far the numbers go over the rows of dense flow, by which laws are judged.
 void add_ranges(Summary& summary, const dem::LocalData& data) {
   constexpr double dense = 0.5;  // volume fraction; looser is the saltating surface
@@ -153,7 +150,7 @@ void add_ranges(Summary& summary, const dem::LocalData& data) {
     double low = std::numeric_limits<double>::infinity();
     double high = 0.0;
     for (const dem::LocalRow& row : data.rows) {
-      const double value = numbers_of(row, data.conditions).*n;
+      const double value = dem::dimensionless_numbers(data.conditions, row).*n;
       if (row.volume_fraction.value < dense || !std::isfinite(value) || value < 0.0) continue;
       low = std::min(low, value);
       high = std::max(high, value);
@@ -195,9 +192,18 @@ Summary describe(const dem::LocalData& data) {
   summary.add("geometry", "geometry", data.conditions.geometry);
   if (data.conditions.geometry == "chute") {
     summary.add("inclination", "tilt", io::degrees(data.conditions.inclination), "degrees");
+    for (std::size_t k = 1; k < data.conditions.tilts.size(); ++k) {
+      summary.add(fmt::format("tilt_time_{}", k),
+                  k == 1 ? "  changed at" : "  and at",
+                  data.conditions.tilts[k].time,
+                  "sqrt(d/g)");
+    }
   }
   summary.add("steady", "steady", data.window.steady);
   summary.add("reason", "  because", data.window.reason);
+  if (data.window.arrested_at) {
+    summary.add("arrested_at", "arrested at", *data.window.arrested_at, "sqrt(d/g)");
+  }
   summary.add("window_begin", "averaged from", data.window.begin, "sqrt(d/g)");
   summary.add("window_end", "to", data.window.end, "sqrt(d/g)");
   if (!data.rows.empty()) {
@@ -213,11 +219,10 @@ Summary describe(const dem::LocalData& data) {
     add("friction", "  stress ratio mu", middle.friction, "");
     add("inertial_number", "  inertial number I", middle.inertial_number, "");
     add("softness", "  softness p*", middle.softness, "");
-    const dem::DimensionlessNumbers numbers = numbers_of(middle, data.conditions);
-    if (numbers.bond_number > 0.0) {
-      summary.add("bond_number", "  bond number Bo", numbers.bond_number);
+    if (data.conditions.attraction > 0.0) {
+      add("bond_number", "  bond number Bo", middle.bond_number, "");
     }
-    summary.add("scaled_temperature", "  temperature T*", numbers.temperature);
+    add("scaled_temperature", "  temperature T*", middle.scaled_temperature, "");
     summary.add("effective_samples", "  independent samples", middle.effective_samples);
     add_width_dependence(summary, data, middle.z);
     if (data.conditions.geometry == "chute") {

@@ -24,7 +24,7 @@ Vec3 seen(const Bins& bins, const Vec3& place, const Vec3& v) {
 }  // namespace
 
 Vec3 cylindrical(const Vec3& place, const Vec3& v) {
-  const double r = std::hypot(place.x, place.y);
+  const double r = std::sqrt(place.x * place.x + place.y * place.y);  // hypot is slow
   const Vec3 radial{place.x / r, place.y / r, 0.0};
   const Vec3 azimuthal{-radial.y, radial.x, 0.0};
   return {dot(v, azimuthal), v.z, dot(v, radial)};
@@ -32,7 +32,8 @@ Vec3 cylindrical(const Vec3& place, const Vec3& v) {
 
 double Bins::coordinate(const Vec3& position) const {
   if (axis == ProfileAxis::z) return position.z;
-  return axis == ProfileAxis::y ? position.y : std::hypot(position.x, position.y);
+  return axis == ProfileAxis::y ? position.y
+                                : std::sqrt(position.x * position.x + position.y * position.y);
 }
 
 FrameSampler::FrameSampler(std::size_t bins, bool friction) {

@@ -17,10 +17,18 @@ std::vector<std::uint32_t> places(const Particles& particles) {
   return place;
 }
 
-/// Where the centres of a pair are now, and how far apart they were one step before: leapfrog moves
-/// by the velocity at the half step.
+/// z of the middle between the centres of a pair [length].
+double middle_height(const Particles& particles,
+                     const std::array<ImageShift, 27>& shifts,
+                     std::uint32_t first,
+                     Partner partner) {
+  return 0.5 * (particles.state[first].position.z + particles.state[partner.grain()].position.z +
+                shifts[partner.image()].position.z);
+}
+
+/// Where the centres of a pair are now, and how far apart they were some steps before: leapfrog
+/// moves by the velocity at the half step.
 struct Passage {
-  double height;           ///< z of the middle [length]
   double distance;         ///< [length]
   double distance_before;  ///< [length]
   double radius_sum;       ///< [length]
@@ -29,7 +37,8 @@ struct Passage {
 Passage passage(const SimulationBase& simulation,
                 const std::array<ImageShift, 27>& shifts,
                 std::uint32_t first,
-                Partner partner) {
+                Partner partner,
+                std::int64_t steps) {
   const Particles& particles = simulation.particles();
   const GrainState& a = particles.state[first];
   const GrainState& b = particles.state[partner.grain()];
@@ -37,10 +46,9 @@ Passage passage(const SimulationBase& simulation,
   const Vec3 branch = a.position - b.position - shift.position;
   const Vec3 velocity =
       particles.half[first].velocity - particles.half[partner.grain()].velocity - shift.velocity;
-  const double dt = simulation.setup().dynamics.time_step;
-  return {.height = a.position.z - 0.5 * branch.z,
-          .distance = length(branch),
-          .distance_before = length(branch - dt * velocity),
+  const double time = static_cast<double>(steps) * simulation.setup().dynamics.time_step;
+  return {.distance = length(branch),
+          .distance_before = length(branch - time * velocity),
           .radius_sum = a.radius + b.radius};
 }
 
@@ -81,10 +89,19 @@ ContactLifetimes::ContactLifetimes(const Scene& scene)
   const Measurement& m = scene.measurement;
   frames_per_block_ =
       std::max(1L, std::lround(m.averaging_time / m.frame_interval / blocks_per_window));
+  constexpr double looks_per_contact = 25.0, rounding = 1e-6;
+  const double steps = shortest_contact_time(scene) / time_step(scene);
+  steps_per_look_ = std::max(1L, static_cast<long>(steps / looks_per_contact + rounding));
   blocks_.push_back(new_block(0.0));
 }
 
 void ContactLifetimes::follow(const SimulationBase& simulation) {
+  if (simulation.steps() % steps_per_look_ == 0) look(simulation);
+}
+
+void ContactLifetimes::look(const SimulationBase& simulation) {
+  way_ = last_look_ < 0 ? 1 : simulation.steps() - last_look_;
+  last_look_ = simulation.steps();
   first_look_ = simulation.rebuilds() != rebuilds_;
   shifts_ = simulation.box().image_shifts();
   if (first_look_ || choose_anew_) {
@@ -115,12 +132,14 @@ void ContactLifetimes::choose_candidates(const SimulationBase& simulation) {
     const std::uint32_t first = list.first()[p];
     const Partner partner = list.partners()[p];
     if (partner.grain() >= particles.mobile) continue;
-    const double middle = passage(simulation, shifts_, first, partner).height;
+    const double middle = middle_height(particles, shifts_, first, partner);
     if (!around.contains(middle) && !kept_at[p]) continue;
     first_.push_back(first);
     partner_.push_back(partner);
     add_candidate({particles.id[first], particles.id[partner.grain()]}, kept_at[p]);
   }
+  first_.resize(pairs() + pack_width, 0u);
+  partner_.resize(pairs() + pack_width, Partner::of(0, own_image));
   rebuilds_ = simulation.rebuilds();
   choose_anew_ = false;
 }
@@ -153,10 +172,18 @@ void ContactLifetimes::choose_near(const SimulationBase& simulation) {
   closed_at_near_ = simulation.closed_since_rebuild();
   near_.pair.clear(), near_.first.clear(), near_.partner.clear();
   const Slice around{slice_.begin - near_skin_, slice_.end + near_skin_};
+  const Particles& particles = simulation.particles();
+  std::uint32_t close = 0;  // bits of a pack
   for (std::uint32_t pair = 0; pair < pairs(); ++pair) {
-    const Passage now = passage(simulation, shifts_, first_[pair], partner_[pair]);
-    const bool close = now.distance < now.radius_sum + gaps_.back() + near_skin_;
-    if (within_[pair] == 0 && !(close && around.contains(now.height))) continue;
+    if (pair % pack_width == 0) {
+      close = separations(shifts_.data(), particles.state.data(), &first_[pair], &partner_[pair])
+                  .closer_than(gaps_.back() + near_skin_);
+    }
+    const auto near_slice = [&] {
+      return around.contains(middle_height(particles, shifts_, first_[pair], partner_[pair]));
+    };
+    const bool is_close = close >> pair % pack_width & 1u;
+    if (within_[pair] == 0 && !(is_close && near_slice())) continue;
     near_.pair.push_back(pair);
     near_.first.push_back(first_[pair]);
     near_.partner.push_back(partner_[pair]);
@@ -198,15 +225,18 @@ void ContactLifetimes::change(const SimulationBase& simulation,
                               bool begins) {
   Track& contact = track(pair, kind);
   if (!begins && std::isnan(contact.begin)) return;
-  const Passage passed = passage(simulation, shifts_, first_[pair], partner_[pair]);
+  const Passage passed = passage(simulation, shifts_, first_[pair], partner_[pair], way_);
   const double limit = passed.radius_sum + gaps_[kind];
   const double way = passed.distance - passed.distance_before;
   const double since = std::clamp((passed.distance - limit) / way, 0.0, 1.0);
-  const double time = simulation.time() - since * simulation.setup().dynamics.time_step;
+  const double steps = since * static_cast<double>(way_);
+  const double time = simulation.time() - steps * simulation.setup().dynamics.time_step;
   LifetimeTally& tally = blocks_.back().distances[kind];
   if (begins) {
     contact = {};
-    if (!slice_.contains(passed.height)) return;
+    const double height =
+        middle_height(simulation.particles(), shifts_, first_[pair], partner_[pair]);
+    if (!slice_.contains(height)) return;
     const bool unknown = first_look_ && passed.distance_before < limit;
     (unknown ? tally.unknown : tally.begun) += 1.0;
     if (!unknown) contact.begin = time;
@@ -223,6 +253,7 @@ void ContactLifetimes::change(const SimulationBase& simulation,
 void ContactLifetimes::sample(const SimulationBase& simulation,
                               const std::vector<ContactSample>& contacts,
                               const std::function<bool(const ContactSample&)>& slips) {
+  if (simulation.steps() != last_look_) look(simulation);
   const Particles& particles = simulation.particles();
   LifetimeBlock& block = blocks_.back();
   block.samples += 1.0;

@@ -19,9 +19,12 @@
 namespace grainlaw::dem {
 
 /// Follows contacts of mobile grains from their begin to their end, for several d_c at once, and
-/// counts them by age. It looks at positions after every step and changes nothing. Begin and end
-/// are interpolated between steps. Contacts are those that begin in the slice, wherever they go;
-/// what has begun when it is first met is of unknown age and left out.
+/// counts them by age. It looks at positions 25 times per shortest contact time (every other step
+/// by default) and changes nothing. Begin and end are taken from the approach at the look that sees
+/// them, straight since the look before: good to 1e-4 of a contact time. What begins and ends
+/// between two looks is not seen: in a chute 4e-4 of the contacts with d_c = d. Contacts are those
+/// that begin in the slice, wherever they go; what has begun when it is first met is of unknown age
+/// and left out.
 ///
 /// Candidates are pairs of the neighbour list around the slice. The list is complete for gaps up to
 /// the range of the attraction; for wider d_c it may miss a pair during the last part (gap / skin)
@@ -31,9 +34,9 @@ class ContactLifetimes {
  public:
   explicit ContactLifetimes(const Scene& scene);
 
-  /// After every step.
+  /// After every step; looks where one is due.
   void follow(const SimulationBase& simulation);
-  /// Takes the acting pairs of a step that was followed; does one slip?
+  /// Takes the acting pairs of this step; does one slip?
   void sample(const SimulationBase& simulation,
               const std::vector<ContactSample>& contacts,
               const std::function<bool(const ContactSample&)>& slips);
@@ -78,6 +81,7 @@ class ContactLifetimes {
   std::size_t pairs() const { return ids_.size(); }
   Track& track(std::size_t pair, std::size_t kind) { return tracks_[pair * kinds() + kind]; }
   bool within(std::size_t pair, std::size_t kind) const { return within_[pair] >> kind & 1u; }
+  void look(const SimulationBase& simulation);
   void choose_candidates(const SimulationBase& simulation);
   void add_candidate(Ids ids, const Kept* kept);
   void choose_near(const SimulationBase& simulation);
@@ -98,8 +102,10 @@ class ContactLifetimes {
   double diameter_;
   bool gradient_along_y_;  ///< else along z
   long frames_per_block_;
+  long steps_per_look_;
 
-  std::vector<std::uint32_t> first_;  ///< candidates, in the order of the neighbour list
+  std::vector<std::uint32_t> first_;  ///< candidates, in the order of the neighbour list; the last
+                                      ///< pack is filled up
   std::vector<Partner> partner_;
   std::vector<Ids> ids_;
   std::vector<std::uint32_t> within_;  ///< a bit per kind: in contact at the last step
@@ -108,9 +114,11 @@ class ContactLifetimes {
   double near_skin_ = 0.0;       ///< [length]
   double closed_at_near_ = 0.0;  ///< of the list, when near pairs were chosen [length]
   std::array<ImageShift, 27> shifts_;
-  std::int64_t rebuilds_ = -1;  ///< of the list when candidates were chosen
-  bool choose_anew_ = true;     ///< candidates are those of a checkpoint
-  bool first_look_ = true;      ///< the step before was not seen of all candidates
+  std::int64_t rebuilds_ = -1;   ///< of the list when candidates were chosen
+  bool choose_anew_ = true;      ///< candidates are those of a checkpoint
+  bool first_look_ = true;       ///< the look before was not at all candidates
+  std::int64_t last_look_ = -1;  ///< step of it
+  std::int64_t way_ = 1;         ///< since the look before [steps]
 
   std::vector<LifetimeBlock> blocks_;  ///< the last one is not complete
   std::int64_t frames_ = 0;            ///< in it

@@ -31,7 +31,7 @@ void ContactLifetimes::save(Checkpoint& to) const {
   to.numbers["lifetimes/blocks"] = std::move(blocks);
   to.numbers["lifetimes/tracks"] = std::move(tracks);
   to.integers["lifetimes/pairs"] = std::move(open);
-  to.integers["lifetimes/counters"] = {frames_, rebuilds_};
+  to.integers["lifetimes/counters"] = {frames_, rebuilds_, last_look_};
 }
 
 void ContactLifetimes::restore(const Checkpoint& from) {
@@ -65,9 +65,10 @@ void ContactLifetimes::restore(const Checkpoint& from) {
     }
     add_candidate(kept.ids, &kept);
   }
-  const auto& counters = entry(from.integers, "lifetimes/counters", 2);
+  const auto& counters = entry(from.integers, "lifetimes/counters", 3);
   frames_ = counters[0];
   rebuilds_ = counters[1];
+  last_look_ = counters[2];
   choose_anew_ = true;
 }
 

@@ -111,6 +111,9 @@ LocalData FlowRecord::finish(const SimulationBase& simulation,
     data_.frames.bin_width = width_sum_ / static_cast<double>(frames.size());
   }
   data_.window = steady_window(assessment_, frames);
+  for (const TiltStep& tilt : data_.conditions.tilts) {
+    if (tilt.time < simulation.time()) data_.conditions.inclination = tilt.inclination;
+  }
   data_.rows = average(data_.frames, data_.conditions, data_.window);
   data_.fields = fields_at_widths(data_.frames, data_.conditions, data_.window);
   if (ring_) {

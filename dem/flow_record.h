@@ -41,6 +41,7 @@ class FlowRecord {
   /// Is the flow steady for long enough, arrested, or away?
   const Assessment& assess();
   const Assessment& assessment() const { return assessment_; }
+  double last_change() const { return criteria_.last_change; }  ///< of the drive [time]
   const std::vector<ProfileFrame>& frames() const { return data_.frames.frames; }
 
   /// Averages over the steady window.

@@ -60,7 +60,8 @@ class FlowRun {
         start_(start(scene, law, options)),
         law_(law),
         simulation_(law, setup(scene, start_, options), start_),
-        record_(scene, start_.box) {
+        record_(scene, start_.box),
+        field_changes_(field_changes(scene)) {
     if (scene.lifetimes) lifetimes_.emplace(scene);
     const double speed = scene.grains.diameter / unit_time(scene);
     record_.summary().restitution =
@@ -75,6 +76,8 @@ class FlowRun {
     simulation_.restore(*options.resume);
     record_.restore(*options.resume);
     if (lifetimes_) lifetimes_->restore(*options.resume);
+    const auto passed = [&](const FieldChange& c) { return c.step < simulation_.steps(); };
+    next_change_ = static_cast<std::size_t>(std::ranges::count_if(field_changes_, passed));
     snapshots_ = due_snapshots();
   }
 
@@ -120,10 +123,12 @@ class FlowRun {
     const double begin = simulation_.time();
     for (long sample = 0; sample < record_.samples_per_frame(); ++sample) {
       for (long k = 1; k < record_.steps_per_sample(); ++k) {
+        change_field();
         simulation_.step();
         if (lifetimes_) lifetimes_->follow(simulation_);
       }
       contacts_.clear();
+      change_field();
       simulation_.step([&](std::uint32_t i,
                            std::uint32_t j,
                            const Vec3& branch,
@@ -138,6 +143,15 @@ class FlowRun {
     }
     record_.close_frame(begin, simulation_);
     if (lifetimes_) lifetimes_->end_frame(simulation_.time());
+  }
+
+  /// Before a step.
+  void change_field() {
+    for (; next_change_ < field_changes_.size() &&
+           field_changes_[next_change_].step <= simulation_.steps();
+         ++next_change_) {
+      simulation_.set_field(field_changes_[next_change_].field);
+    }
   }
 
   void sample_lifetimes() {
@@ -162,7 +176,8 @@ class FlowRun {
     if (!options_.observer) return true;
     const auto& frames = record_.frames();
     const Measurement& m = scene_.measurement;
-    const double wanted = frames[record_.assessment().first_frame].begin + m.averaging_time;
+    const double begin = frames[record_.assessment().first_frame].begin;
+    const double wanted = std::max(begin, record_.last_change()) + m.averaging_time;
     return options_.observer(
         {.time = simulation_.time(),
          .expected_end = std::min(std::max(simulation_.time(), wanted), m.time_limit),
@@ -190,6 +205,8 @@ class FlowRun {
   Law law_;
   Simulation<Law> simulation_;
   FlowRecord record_;
+  std::vector<FieldChange> field_changes_;
+  std::size_t next_change_ = 0;
   std::optional<ContactLifetimes> lifetimes_;
   std::vector<ContactSample> contacts_;
 };

@@ -232,6 +232,18 @@ std::optional<SimulationSetup> settling_setup(const Scene& scene, const InitialS
   return setup;
 }
 
+std::vector<FieldChange> field_changes(const Scene& scene) {
+  const auto* chute = std::get_if<Chute>(&scene.geometry);
+  if (!chute) return {};
+  constexpr double rounding = 1e-6;  // [steps]
+  std::vector<FieldChange> changes;
+  for (const TiltStep& tilt : chute->tilts) {
+    changes.push_back({static_cast<long>(std::ceil(tilt.time / time_step(scene) - rounding)),
+                       Uniform{gravity(chute->gravity, tilt.inclination)}});
+  }
+  return changes;
+}
+
 std::size_t bins_per_row(const Measurement& measurement) {
   constexpr double finest = 0.25;  // [width of the kernel]
   const double rounding = 1e-9;
@@ -269,7 +281,8 @@ SteadyCriteria steady_criteria(const Scene& scene) {
     criteria.mean_flow = false;
   } else if (const auto* chute = std::get_if<Chute>(&scene.geometry)) {
     const double d = scene.grains.diameter;
-    const double fall = dense_fraction * chute->gravity * std::cos(chute->inclination);
+    const double fall = dense_fraction * chute->gravity * std::cos(last_inclination(*chute));
+    if (!chute->tilts.empty()) criteria.last_change = chute->tilts.back().time;
     criteria.rest_velocity = 1e-3 * std::sqrt(chute->gravity * d);
     criteria.rest_time = 20.0 * std::sqrt(d / chute->gravity);
     criteria.runaway_velocity =

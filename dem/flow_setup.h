@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "dem/coarse_graining.h"
 #include "dem/ring_sampler.h"
@@ -19,6 +20,16 @@ SimulationSetup flow_setup(const Scene& scene, const InitialState& initial);
 /// The same before the flow, in which a packing comes to rest: a chute not tilted, walls and rings
 /// not moving. Absent where there is nothing to settle.
 std::optional<SimulationSetup> settling_setup(const Scene& scene, const InitialState& initial);
+
+/// A field that acts from a step on.
+struct FieldChange {
+  long step = 0;  ///< the first one it acts in, counted from 0
+  Uniform field;
+};
+
+/// Tilts of a chute that follow the first: gravity turns before the first step that does not begin
+/// earlier. Empty for other flows.
+std::vector<FieldChange> field_changes(const Scene& scene);
 
 /// Bins are finer than the rows of fields, at least four to the width of the kernel.
 std::size_t bins_per_row(const Measurement& measurement);

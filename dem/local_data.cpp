@@ -6,6 +6,7 @@
 #include <span>
 
 #include "dem/statistics.h"
+#include "dem/time_scales.h"
 
 namespace grainlaw::dem {
 namespace {
@@ -76,7 +77,46 @@ std::size_t index_of(double FieldRow::*field) {
   return static_cast<std::size_t>(&(row.*field) - reinterpret_cast<const double*>(&row));
 }
 
-LocalRow make_row(const FieldSeries& series, std::size_t k) {
+struct Factor {
+  double FieldRow::*field;
+  double power;
+};
+
+/// A product of powers of fields, with what they scatter together.
+Estimate product(const FieldSeries& series,
+                 std::size_t k,
+                 double value,
+                 std::initializer_list<Factor> factors) {
+  std::vector<double> products(series.frames.size(), value);
+  for (const auto& [field, power] : factors) {
+    const std::vector<double> values = series.series(k, index_of(field));
+    const double scale = value * power / (series.mean[k].*field);
+    for (std::size_t f = 0; f < values.size(); ++f) {
+      products[f] += scale * (values[f] - series.mean[k].*field);
+    }
+  }
+  const BlockAverage average = block_average(products);
+  return {value, average.error, average.effective_samples};
+}
+
+void add_numbers(const FieldSeries& series,
+                 std::size_t k,
+                 const ChuteConditions& grains,
+                 LocalRow& row) {
+  constexpr Factor pressure{&FieldRow::normal_stress, -1.0};
+  const DimensionlessNumbers numbers = dimensionless_numbers(grains, row);
+  if (grains.attraction > 0.0) {
+    row.bond_number = product(series, k, numbers.bond_number, {pressure});
+  }
+  row.scaled_temperature =
+      product(series, k, numbers.temperature, {{&FieldRow::temperature, 1.0}, pressure});
+  const double bulk =
+      row.inertial_number.value * conversion(InertialNumber::shear_bulk, row.volume_fraction.value);
+  row.bulk_inertial_number = product(
+      series, k, bulk, {{&FieldRow::inertial_number, 1.0}, {&FieldRow::volume_fraction, 0.5}});
+}
+
+LocalRow make_row(const FieldSeries& series, std::size_t k, const ChuteConditions& grains) {
   const auto estimate = [&](double FieldRow::*field) {
     const BlockAverage average = block_average(series.series(k, index_of(field)));
     return Estimate{series.mean[k].*field, average.error, average.effective_samples};
@@ -97,6 +137,7 @@ LocalRow make_row(const FieldSeries& series, std::size_t k) {
   row.dissipation = estimate(&FieldRow::dissipation);
   row.sliding_share = estimate(&FieldRow::sliding_share);
   row.effective_samples = row.velocity.effective_samples;
+  add_numbers(series, k, grains, row);
   return row;
 }
 
@@ -141,6 +182,21 @@ WidthFields fields_at(std::span<const ProfileFrame> frames,
 
 }  // namespace
 
+TimeScales time_scales(const ChuteConditions& conditions, const LocalRow& row) {
+  return time_scales({.grain_density = conditions.grain_density,
+                      .diameter = conditions.grain_diameter,
+                      .stiffness = conditions.stiffness,
+                      .attraction = conditions.attraction,
+                      .gravity = conditions.gravity,
+                      .shear_rate = row.shear_rate.value,
+                      .pressure = row.normal_stress.value,
+                      .temperature = row.temperature.value});
+}
+
+DimensionlessNumbers dimensionless_numbers(const ChuteConditions& conditions, const LocalRow& row) {
+  return dimensionless_numbers(time_scales(conditions, row));
+}
+
 std::span<const ProfileFrame> frames_inside(const ProfileFrames& frames,
                                             const SteadyWindow& window) {
   const double rounding = 1e-9 * std::max(1.0, std::abs(window.end));
@@ -170,7 +226,7 @@ std::vector<LocalRow> average(const ProfileFrames& frames,
   std::vector<LocalRow> rows;
   for (std::size_t k = 0; (k + 1) * frames.bins_per_row <= mean.bins.size(); ++k) {
     if (!counts(mean, frames, k, conditions)) continue;
-    rows.push_back(make_row(series, k + margin));
+    rows.push_back(make_row(series, k + margin, conditions));
     rows.back().z = frames.row_centre(k);
   }
   return rows;

@@ -11,6 +11,8 @@
 #include "dem/lifetime_statistics.h"
 #include "dem/profile_frames.h"
 #include "dem/ring_grid.h"
+#include "dem/tilt_step.h"
+#include "dem/time_scales.h"
 
 namespace grainlaw::dem {
 
@@ -18,7 +20,7 @@ namespace grainlaw::dem {
 /// In the units of the run.
 struct ChuteConditions {
   std::string geometry = "chute";  ///< fits and predictions so far take chutes
-  double inclination = 0.0;        ///< theta [rad]
+  double inclination = 0.0;        ///< theta [rad]; of the rows, where it changed on the way
   double gravity = 1.0;            ///< g [length/time^2]
   double grain_diameter = 1.0;     ///< d [length]
   double grain_density = 0.0;      ///< rho_p [mass/length^3]
@@ -28,6 +30,8 @@ struct ChuteConditions {
   double mass_per_area = 0.0;      ///< of the flowing grains [mass/length^2]
   double shear_rate = 0.0;         ///< imposed on the whole box [1/time]; 0: none
   std::string base{};              ///< recipe of the base in words, equal for equal bases
+  /// Every tilt of the run, the first at time 0, where it changed on the way; empty: it did not.
+  std::vector<TiltStep> tilts{};
 };
 
 /// Fields of one row at the width of the kernel, averaged over the steady window, with standard
@@ -45,12 +49,20 @@ struct LocalRow {
   Estimate temperature;      ///< mean square velocity fluctuation per component [(length/time)^2]
   Estimate inertial_number;  ///< I = gd d sqrt(rho_p / sigma_zz)  (Shi et al. 2020, eq. 10)
   Estimate softness;         ///< p* = sigma_zz d / k_n            (Shi et al. 2020, eq. 11)
-  Estimate friction;         ///< mu = sigma_xz / sigma_zz
-  Estimate coordination;     ///< Z, every contact counted for both grains
-  Estimate dissipation;      ///< of a contact [power]
-  Estimate sliding_share;    ///< of contacts; not a number for grains without friction
+  Estimate bond_number;      ///< Bo = f_a / (sigma_zz d^2)        (Shi et al. 2020, eq. 12);
+                             ///< not a number without attraction
+  Estimate scaled_temperature;     ///< T* = rho_p T / sigma_zz
+  Estimate bulk_inertial_number;   ///< I sqrt(phi): with the density of the bulk (below eq. 10)
+  Estimate friction;               ///< mu = sigma_xz / sigma_zz
+  Estimate coordination;           ///< Z, every contact counted for both grains
+  Estimate dissipation;            ///< of a contact [power]
+  Estimate sliding_share;          ///< of contacts; not a number for grains without friction
   double effective_samples = 0.0;  ///< N_eff of the velocity (Flyvbjerg-Petersen)
 };
+
+/// Time scales of a row, and I, p*, Bo, T* with them (Shi et al. 2020, eqs. 5-12); p is sigma_zz.
+TimeScales time_scales(const ChuteConditions& conditions, const LocalRow& row);
+DimensionlessNumbers dimensionless_numbers(const ChuteConditions& conditions, const LocalRow& row);
 
 /// What can be said of a field in all rows: the word of its row of fewest independent samples.
 Convergence worst_convergence(const std::vector<LocalRow>& rows, Estimate LocalRow::*field);
@@ -58,10 +70,10 @@ Convergence worst_convergence(const std::vector<LocalRow>& rows, Estimate LocalR
 /// The part of a run that is averaged.
 struct SteadyWindow {
   bool steady = false;
-  double begin = 0.0;  ///< [time]
-  double end = 0.0;    ///< [time]
-  std::string
-      reason;  ///< in words: why steady, or why not (accelerating, arrested, drifting, short)
+  double begin = 0.0;    ///< [time]
+  double end = 0.0;      ///< [time]
+  std::string reason{};  ///< in words: why steady, or why not (accelerating, arrested, ...)
+  std::optional<double> arrested_at{};  ///< when the layer came to rest, if it did [time]
 };
 
 /// What a run cost and how far it can be trusted.

@@ -49,6 +49,10 @@ ChuteConditions conditions(const Scene& scene) {
       .attraction = attraction(scene)};
   if (const auto* chute = std::get_if<Chute>(&scene.geometry)) {
     c.inclination = chute->inclination;
+    if (!chute->tilts.empty()) {
+      c.tilts = {{0.0, chute->inclination}};
+      c.tilts.insert(c.tilts.end(), chute->tilts.begin(), chute->tilts.end());
+    }
     c.gravity = chute->gravity;
     c.mass_per_area = mass_per_area(scene.grains, *chute);
     c.base = recipe(chute->base);

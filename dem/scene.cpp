@@ -320,6 +320,10 @@ double mass_per_area(const Grains& grains, const Chute& chute) {
   return chute.grains * grains.mean_mass() / (chute.length * chute.width);
 }
 
+double last_inclination(const Chute& chute) {
+  return chute.tilts.empty() ? chute.inclination : chute.tilts.back().inclination;
+}
+
 double nominal_depth(const Grains& grains, const Chute& chute) {
   return mass_per_area(grains, chute) / (nominal_packing * grains.density());
 }

@@ -14,6 +14,7 @@
 #include "dem/friction_laws.h"
 #include "dem/kernel.h"
 #include "dem/normal_laws.h"
+#include "dem/tilt_step.h"
 #include "dem/vec3.h"
 
 namespace grainlaw::dem {
@@ -83,7 +84,11 @@ struct Chute {
   int grains = 0;            ///< number of flowing grains
   Base base = BumpyBase{};
   std::optional<Sidewalls> sidewalls{};
+  std::vector<TiltStep> tilts{};  ///< tilts that follow the first, in order of time
 };
+
+/// The last of its tilts, by which its state at the end is judged [rad].
+double last_inclination(const Chute& chute);
 
 /// Homogeneous simple shear, v_x = shear_rate y: Lees-Edwards boundaries in x and y, plain periodic
 /// z. sigma_yy is held by the height of the box (Shi et al. 2020, section 2.2), or the volume is.

@@ -109,19 +109,39 @@ void check_base(const FlatBase&, std::string_view, const Grains&) {}
 void check_base(const Base& base, std::string_view section, const Grains& grains) {
   std::visit([&](const auto& recipe) { check_base(recipe, section, grains); }, base);
 }
-void check_inclination(double inclination) {
+void check_inclination(double inclination, std::string_view key) {
   const double degrees = inclination * 180.0 / std::numbers::pi;
   if (degrees >= 0.0 && degrees < 90.0) return;
-  refuse({geometry, "inclination"},
-         fmt::format("inclination = {:.6g} degrees: must lie in [0, 90){}",
+  refuse({geometry, key},
+         fmt::format("{} = {:.6g} degrees: must lie in [0, 90){}",
+                     key,
                      degrees,
                      degrees < 0.0 ? "; a negative tilt flows in -x, where velocity, shear rate "
                                      "and shear stress change sign: mirror the scene"
                                    : ""));
 }
 
+void check_tilts(const Chute& chute, const Scene& scene) {
+  constexpr Place at{geometry, "tilt_times"};
+  double before = 0.0;
+  for (const TiltStep& tilt : chute.tilts) {
+    check_inclination(tilt.inclination, "tilts");
+    if (!(tilt.time > before)) {
+      refuse(at, fmt::format("tilt_times: {:.6g} does not follow {:.6g}", tilt.time, before));
+    }
+    before = tilt.time;
+  }
+  if (before < scene.measurement.time_limit) return;
+  refuse(at,
+         fmt::format("tilt_times: the last one, {:.6g}, must be below time_limit = {:.6g}, where "
+                     "the run ends",
+                     before,
+                     scene.measurement.time_limit));
+}
+
 void check(const Chute& chute, const Scene& scene) {
-  check_inclination(chute.inclination);
+  check_inclination(chute.inclination, "inclination");
+  check_tilts(chute, scene);
   require_positive(chute.gravity, {geometry, "gravity"}, "gravity");
   check_count(grains(scene), "flow", {geometry, "grains"});
   check_period("length", chute.length, scene);
@@ -134,9 +154,26 @@ void check(const Chute& chute, const Scene& scene) {
               fmt::format("length x width = {:.6g} x {:.6g}", chute.length, chute.width));
 }
 
+/// p* = p d / k_n is about the overlap of grains over their diameter.
+void check_load(std::string_view key, double load, const Scene& scene) {
+  constexpr double most = 1.0;
+  const auto* hooke = std::get_if<Hooke>(&scene.normal);
+  if (hooke == nullptr) return;
+  const double softness = load * scene.grains.diameter / hooke->stiffness;
+  if (softness < most) return;
+  refuse({geometry, key},
+         fmt::format("{} = {:.4g}: presses grains into each other by their whole size (p d / k_n = "
+                     "{:.3g}, must be below {})",
+                     key,
+                     load,
+                     softness,
+                     most));
+}
+
 void check(const SimpleShear& shear, const Scene& scene) {
   require_positive(shear.shear_rate, {geometry, "shear_rate"}, "shear_rate");
   if (shear.pressure) require_not_negative(*shear.pressure, {geometry, "pressure"}, "pressure");
+  check_load("pressure", shear.pressure.value_or(0.0), scene);
   check_count(grains(scene), "shear", {geometry, "grains"});
   if (!scene.start.empty()) require_positive(shear.size.x, {geometry, "length"}, "length");
   const Vec3 size = start_size(scene.grains, shear);
@@ -150,6 +187,7 @@ void check(const SimpleShear& shear, const Scene& scene) {
 void check(const PlaneShear& shear, const Scene& scene) {
   require_positive(shear.velocity, {geometry, "velocity"}, "velocity");
   if (shear.load) require_positive(*shear.load, {geometry, "load"}, "load");
+  check_load("load", shear.load.value_or(0.0), scene);
   require_not_negative(shear.gravity, {geometry, "gravity"}, "gravity");
   check_count(grains(scene), "shear", {geometry, "grains"});
   check_period("length", shear.length, scene);
@@ -170,6 +208,7 @@ void check(const PlaneShear& shear, const Scene& scene) {
 void check(const BodyForceBox& box, const Scene& scene) {
   require_positive(box.amplitude, {geometry, "amplitude"}, "amplitude");
   require_positive(box.pressure, {geometry, "pressure"}, "pressure");
+  check_load("pressure", box.pressure, scene);
   check_count(grains(scene), "flow", {geometry, "grains"});
   check_period("length", box.length, scene);
   check_period("width", box.width, scene);

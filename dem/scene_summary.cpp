@@ -139,6 +139,10 @@ void describe(const Chute& chute, const Scene& scene, SceneSummary& summary) {
                   chute.width,
                   degrees(chute.inclination),
                   own_base ? recipe(chute.base) : "of the start"));
+  for (const TiltStep& tilt : chute.tilts) {
+    summary.used.push_back(fmt::format(
+        "tilt: {:.6g} degrees from t = {:.6g} on", degrees(tilt.inclination), tilt.time));
+  }
   if (chute.sidewalls) {
     summary.used.push_back(
         fmt::format("side walls: flat, {}", chute.sidewalls->frictional ? "frictional" : "smooth"));

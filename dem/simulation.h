@@ -167,8 +167,11 @@ class Simulation : public SimulationBase {
     book(sums_);
   }
 
-  /// Changes field or drive; velocities stay.
+  /// Changes field or drive; velocities, and what the ledger has booked, stay.
   void set_field(const std::variant<Uniform, Sine, Affine>& field) {
+    ledger_.field_work += field_work();
+    first_moment_ = mass_moment(particles_);
+    wrapped_ = {};
     for (std::size_t i = 0; i < particles_.mobile; ++i) {
       particles_.state[i].velocity = velocity(i);
       if constexpr (Law::rotates) particles_.spin[i].velocity = spin(i);

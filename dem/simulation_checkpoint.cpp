@@ -35,6 +35,11 @@ std::vector<Integer> narrowed(const std::vector<std::int64_t>& values) {
   return result;
 }
 
+template <class V, class Visit>
+void for_components(V& v, Visit&& visit) {
+  visit(v.x), visit(v.y), visit(v.z);
+}
+
 /// The scalars of the moving boundaries and of the field that changes with them, one list for
 /// writing and reading.
 template <class Drive, class Field, class Visit>
@@ -44,17 +49,14 @@ void for_boundary_numbers(Drive& drive, Field& field, Visit&& visit) {
   } else if (auto* wall = std::get_if<WallDrive>(&drive)) {
     visit(wall->rise), visit(wall->acceleration);
   }
-  if (auto* sine = std::get_if<Sine>(&field)) {
+  if (auto* uniform = std::get_if<Uniform>(&field)) {
+    for_components(uniform->acceleration, visit);
+  } else if (auto* sine = std::get_if<Sine>(&field)) {
     visit(sine->wave_number), visit(sine->strain_rate);
     visit(sine->strain_rate_rate), visit(sine->middle);
   } else if (auto* affine = std::get_if<Affine>(&field)) {
     visit(affine->strain_rate), visit(affine->strain_rate_rate), visit(affine->middle);
   }
-}
-
-template <class V, class Visit>
-void for_components(V& v, Visit&& visit) {
-  visit(v.x), visit(v.y), visit(v.z);
 }
 
 }  // namespace

@@ -14,6 +14,25 @@ double below_last_face(const Vec3& p, double wedge) {
   return std::sin(wedge) * p.x - std::cos(wedge) * p.y;
 }
 
+/// About z by one angle after the other, which are all that of the wedge, either way: its sine and
+/// cosine are taken once.
+class Turn {
+ public:
+  Vec3 operator()(const Vec3& v, double angle) {
+    if (std::abs(angle) != size_) {
+      size_ = std::abs(angle);
+      cosine_ = std::cos(size_);
+      sine_ = std::sin(size_);
+    }
+    return turned(v, cosine_, angle < 0.0 ? -sine_ : sine_);
+  }
+
+ private:
+  double size_ = 0.0;
+  double cosine_ = 1.0;
+  double sine_ = 0.0;
+};
+
 }  // namespace
 
 void StandIns::list(Particles& particles,
@@ -69,17 +88,16 @@ void StandIns::append(Particles& particles, const std::vector<Wall>& walls) cons
 }
 
 void StandIns::update(Particles& particles, const std::vector<Wall>& walls) const {
+  Turn turn;
   std::size_t at = particles.real;
   for (std::size_t k = 0; k < image_of.size(); ++k, ++at) {
     const std::uint32_t owner = image_of[k];
-    const double cosine = std::cos(image_angle[k]);
-    const double sine = std::sin(image_angle[k]);
     const GrainState& grain = particles.state[owner];
-    particles.state[at].position = turned(grain.position, cosine, sine);
-    particles.state[at].velocity = turned(grain.velocity, cosine, sine);
+    particles.state[at].position = turn(grain.position, image_angle[k]);
+    particles.state[at].velocity = turn(grain.velocity, image_angle[k]);
     if (!particles.rotates()) continue;
     particles.spin[at] = particles.spin[owner];
-    particles.spin[at].velocity = turned(particles.spin[owner].velocity, cosine, sine);
+    particles.spin[at].velocity = turn(particles.spin[owner].velocity, image_angle[k]);
   }
   for (std::size_t k = 0; k < foot_of.size(); ++k, ++at) {
     const Wall& wall = walls[foot_on[k]];
@@ -89,11 +107,12 @@ void StandIns::update(Particles& particles, const std::vector<Wall>& walls) cons
 }
 
 void StandIns::return_loads(Particles& particles) const {
+  Turn turn;
   std::size_t at = particles.real;
   for (std::size_t k = 0; k < image_of.size(); ++k, ++at) {
     GrainLoad& own = particles.load[image_of[k]];
-    own.force += turned(particles.load[at].force, -image_angle[k]);
-    own.torque += turned(particles.load[at].torque, -image_angle[k]);
+    own.force += turn(particles.load[at].force, -image_angle[k]);
+    own.torque += turn(particles.load[at].torque, -image_angle[k]);
     particles.load[at] = {};
   }
 }

@@ -75,6 +75,15 @@ bool at_rest(std::span<const double> velocity, const SteadyCriteria& criteria) {
   return !velocity.empty() && std::ranges::all_of(velocity, slow);
 }
 
+/// The begin of the rest that the run ends in [time].
+double arrest_time(std::span<const ProfileFrame> frames,
+                   std::span<const double> velocity,
+                   const SteadyCriteria& criteria) {
+  std::size_t k = frames.size() - 1;
+  while (k > 0 && std::abs(velocity[k - 1]) <= criteria.rest_velocity) --k;
+  return frames[k].begin;
+}
+
 /// True where the second half of the run gained at least half as much speed as the first: a
 /// relaxation towards a steady speed gains less and less.
 bool keeps_gaining(std::span<const double> velocity) {
@@ -102,7 +111,7 @@ Approach approach(std::span<const ProfileFrame> frames,
   const double way = mean - velocity[0];
   const auto far = [&](double v) { return (mean - v) * way > way * way / std::numbers::e; };
   const auto count = std::ranges::count_if(velocity.first(first), far);
-  return {std::abs(way), frames[static_cast<std::size_t>(count)].begin};
+  return {std::abs(way), frames[static_cast<std::size_t>(count)].begin - frames.front().begin};
 }
 
 std::size_t first_frame_after(std::span<const ProfileFrame> frames, double time) {
@@ -117,7 +126,7 @@ double relaxed_time(std::span<const ProfileFrame> frames,
                     std::size_t first,
                     double averaging_time) {
   const auto [way, time] = approach(frames, velocity, first);
-  const double relaxed = 3.0 * time;
+  const double relaxed = frames.front().begin + 3.0 * time;
   // The last of the run: an approach that is still on would count as scatter.
   const double begin = std::max(relaxed, frames.back().end - averaging_time);
   const BlockAverage window = block_average(velocity.subspan(first_frame_after(frames, begin)));
@@ -194,26 +203,21 @@ Assessment judge_drift(std::span<const ProfileFrame> frames,
                       length)};
 }
 
-}  // namespace
-
-std::string_view name(FlowState state) {
-  constexpr std::array<std::string_view, 5> names{
-      "short", "drifting", "accelerating", "arrested", "steady"};
-  return names[static_cast<std::size_t>(state)];
-}
-
-Assessment assess(std::span<const ProfileFrame> frames, const SteadyCriteria& criteria) {
-  if (frames.empty()) return {.reason = "short: no frame yet"};
+/// Of frames under one and the same drive.
+Assessment judge(std::span<const ProfileFrame> frames, const SteadyCriteria& criteria) {
   const auto series = series_of(frames);
   const std::vector<double>& velocity = series[0].values;
   const std::size_t last_stretch = rest_begin(frames, criteria);
   if (at_rest(std::span(velocity).subspan(last_stretch), criteria)) {
+    const double since = arrest_time(frames, velocity, criteria);
     return {FlowState::arrested,
             true,
             last_stretch,
-            fmt::format("arrested: slower than {} for {} time units",
+            fmt::format("arrested at t = {:.4g}: slower than {} for {} time units",
+                        since,
                         criteria.rest_velocity,
-                        criteria.rest_time)};
+                        criteria.rest_time),
+            since};
   }
   const bool gaining = criteria.mean_flow && keeps_gaining(velocity);
   if (gaining && velocity.back() > criteria.runaway_velocity) {
@@ -228,10 +232,32 @@ Assessment assess(std::span<const ProfileFrame> frames, const SteadyCriteria& cr
   return judge_drift(frames, series, gaining, criteria);
 }
 
+}  // namespace
+
+std::string_view name(FlowState state) {
+  constexpr std::array<std::string_view, 5> names{
+      "short", "drifting", "accelerating", "arrested", "steady"};
+  return names[static_cast<std::size_t>(state)];
+}
+
+Assessment assess(std::span<const ProfileFrame> frames, const SteadyCriteria& criteria) {
+  if (frames.empty()) return {.reason = "short: no frame yet"};
+  const std::size_t passed = first_frame_after(frames, criteria.last_change);
+  if (passed == frames.size()) {
+    return {.first_frame = passed - 1,
+            .reason = fmt::format("short: the drive changes at t = {:.4g}, and no frame follows",
+                                  criteria.last_change)};
+  }
+  Assessment assessment = judge(frames.subspan(passed), criteria);
+  assessment.first_frame += passed;
+  return assessment;
+}
+
 SteadyWindow steady_window(const Assessment& assessment, std::span<const ProfileFrame> frames) {
   SteadyWindow window;
   window.steady = assessment.state == FlowState::steady;
   window.reason = assessment.reason;
+  window.arrested_at = assessment.arrested_at;
   if (frames.empty()) return window;
   window.begin = frames[assessment.first_frame].begin;
   window.end = frames.back().end;

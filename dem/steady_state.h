@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -20,6 +21,7 @@ struct SteadyCriteria {
   double rest_time = 20.0;        ///< [time]
   double runaway_velocity = 1e9;  ///< faster than any dense flow, still speeding up: accelerating
   double start_up = 0.0;          ///< the window begins no earlier [time]
+  double last_change = 0.0;       ///< of the drive: what was before it tells nothing [time]
   bool mean_flow = true;          ///< judged too; false: a box that flows both ways
 };
 
@@ -28,7 +30,8 @@ struct Assessment {
   FlowState state = FlowState::too_short;
   bool certain = false;         ///< more time will not change it
   std::size_t first_frame = 0;  ///< of the window that was judged
-  std::string reason;
+  std::string reason{};
+  std::optional<double> arrested_at{};  ///< begin of the rest it is in [time]
 };
 
 /// Judges the mean velocity, the velocities of the lowest, middle and highest third of the mass
@@ -41,7 +44,7 @@ struct Assessment {
 /// standard error. The rest is steady when it is at least averaging_time long and no straight line
 /// through any of the series drifts at 99 % confidence. A drift is seen from about nine standard
 /// errors of the mean on; frames that do not hold the beginning of a slow approach do not tell that
-/// they end one.
+/// they end one. Frames that begin before the last change of the drive are not judged.
 Assessment assess(std::span<const ProfileFrame> frames, const SteadyCriteria& criteria);
 
 /// The window of an assessment.

@@ -77,6 +77,12 @@ Campaign read_campaign(const std::filesystem::path& path) {
                                             "it with grainlaw dem",
                                             dem::kind(geometry))));
   }
+  if (!std::get<dem::Chute>(geometry).tilts.empty()) {
+    throw InputError(
+        in.message("",
+                   "scene",
+                   "a run of a campaign has one tilt, and this scene changes it: leave out tilts"));
+  }
   return campaign;
 }
 

@@ -128,6 +128,22 @@ void take_stated(const Import& import, const TextTable& table, dem::LocalData& d
   }
 }
 
+void add_numbers(const dem::ChuteConditions& grains, LocalRow& row) {
+  const dem::DimensionlessNumbers numbers = dem::dimensionless_numbers(grains, row);
+  const auto relative = [](const Estimate& x) { return x.error / std::abs(x.value); };
+  const double pressure = relative(row.normal_stress);
+  if (grains.attraction > 0.0) {
+    row.bond_number = {numbers.bond_number, numbers.bond_number * pressure};
+  }
+  row.scaled_temperature = {numbers.temperature,
+                            numbers.temperature * std::hypot(relative(row.temperature), pressure)};
+  const double phi = row.volume_fraction.value;
+  const double bulk =
+      row.inertial_number.value * dem::conversion(dem::InertialNumber::shear_bulk, phi);
+  row.bulk_inertial_number = {
+      bulk, bulk * std::hypot(relative(row.inertial_number), 0.5 * relative(row.volume_fraction))};
+}
+
 /// Errors of what follows from other fields, their errors taken as independent.
 void propagate_errors(const dem::ChuteConditions& grains, std::vector<LocalRow>& rows) {
   for (std::size_t k = 0; k < rows.size(); ++k) {
@@ -145,6 +161,7 @@ void propagate_errors(const dem::ChuteConditions& grains, std::vector<LocalRow>&
         row.inertial_number.value *
         std::hypot(relative(row.shear_rate), 0.5 * relative(row.normal_stress));
     row.softness.error = row.softness.value * relative(row.normal_stress);
+    add_numbers(grains, row);
     row.friction.error =
         row.friction.value * std::hypot(relative(row.shear_stress), relative(row.normal_stress));
   }

@@ -17,6 +17,7 @@
 #include "apps/io/lifetimes_hdf5.h"
 #include "apps/io/profile_hdf5.h"
 #include "apps/io/ring_hdf5.h"
+#include "apps/io/rows_hdf5.h"
 #include "apps/io/safe_write.h"
 #include "apps/io/sealed_file.h"
 
@@ -27,8 +28,6 @@ using namespace dem;
 
 constexpr std::string_view kind = "local data";
 constexpr int format = 3;
-
-constexpr Dimension power{1, 2, -3};
 
 constexpr auto condition_fields = std::to_array<Field<ChuteConditions>>({
     {"inclination", &ChuteConditions::inclination},
@@ -63,31 +62,6 @@ constexpr auto run_fields = std::to_array<Field<RunSummary>>({
     {"startup_wall_seconds", &RunSummary::startup_wall_seconds},
 });
 
-constexpr auto row_fields = std::to_array<Field<LocalRow>>({
-    {"z", &LocalRow::z, dimension::length},
-    {"mass_above", &LocalRow::mass_above, dimension::mass_per_area},
-    {"effective_samples", &LocalRow::effective_samples},
-});
-
-constexpr auto estimate_fields = std::to_array<Field<LocalRow, Estimate>>({
-    {"velocity", &LocalRow::velocity, dimension::velocity},
-    {"shear_rate", &LocalRow::shear_rate, dimension::rate},
-    {"volume_fraction", &LocalRow::volume_fraction},
-    {"shear_stress", &LocalRow::shear_stress, dimension::stress},
-    {"normal_stress", &LocalRow::normal_stress, dimension::stress},
-    {"pressure_trace", &LocalRow::pressure, dimension::stress},
-    {"temperature", &LocalRow::temperature, dimension::temperature},
-    {"inertial_number", &LocalRow::inertial_number},
-    {"softness", &LocalRow::softness},
-    {"friction", &LocalRow::friction},
-    {"coordination", &LocalRow::coordination},
-    {"dissipation_per_contact", &LocalRow::dissipation, power},
-});
-/// What only grains with friction have.
-constexpr auto sliding_fields = std::to_array<Field<LocalRow, Estimate>>({
-    {"sliding_share", &LocalRow::sliding_share},
-});
-
 template <class T, class Fields>
 void write_fields(Hdf5Writer& out, const std::string& group, const T& from, const Fields& fields) {
   for (const auto& field : fields) {
@@ -99,57 +73,6 @@ void write_fields(Hdf5Writer& out, const std::string& group, const T& from, cons
 template <class T, class Fields>
 void read_fields(const Hdf5Reader& in, const std::string& group, T& to, const Fields& fields) {
   for (const auto& field : fields) to.*field.member = in.number(group, field.name);
-}
-
-template <class Fields>
-void write_estimates(Hdf5Writer& out, const std::vector<LocalRow>& rows, const Fields& fields) {
-  for (const auto& field : fields) {
-    const std::string path = std::string("rows/") + field.name;
-    write_column(out, path, rows, field.dimension, [&field](const LocalRow& row) {
-      return (row.*field.member).value;
-    });
-    write_column(out, path + "_error", rows, field.dimension, [&field](const LocalRow& row) {
-      return (row.*field.member).error;
-    });
-    write_column(out, path + "_effective_samples", rows, {}, [&field](const LocalRow& row) {
-      return (row.*field.member).effective_samples;
-    });
-    out.attribute(path, "convergence", std::string(name(worst_convergence(rows, field.member))));
-  }
-}
-
-void write_rows(Hdf5Writer& out, const std::vector<LocalRow>& rows, bool slides) {
-  out.group("rows");
-  for (const auto& field : row_fields) {
-    write_column(out, std::string("rows/") + field.name, rows, field.dimension, field.member);
-  }
-  write_estimates(out, rows, estimate_fields);
-  if (slides) write_estimates(out, rows, sliding_fields);
-}
-
-template <class Fields>
-void read_estimates(const Hdf5Reader& in, std::vector<LocalRow>& rows, const Fields& fields) {
-  for (const auto& field : fields) {
-    const std::string path = std::string("rows/") + field.name;
-    read_column(
-        in, path, rows, [&field](LocalRow& row) -> double& { return (row.*field.member).value; });
-    read_column(in, path + "_error", rows, [&field](LocalRow& row) -> double& {
-      return (row.*field.member).error;
-    });
-    read_column(in, path + "_effective_samples", rows, [&field](LocalRow& row) -> double& {
-      return (row.*field.member).effective_samples;
-    });
-  }
-}
-
-std::vector<LocalRow> read_rows(const Hdf5Reader& in, bool slides) {
-  std::vector<LocalRow> rows(length_of(in, "rows/z"));
-  for (const auto& field : row_fields) {
-    read_column(in, std::string("rows/") + field.name, rows, field.member);
-  }
-  read_estimates(in, rows, estimate_fields);
-  if (slides) read_estimates(in, rows, sliding_fields);
-  return rows;
 }
 
 void write_provenance(Hdf5Writer& out, const RunRecord& record) {
@@ -177,16 +100,52 @@ void read_provenance(const Hdf5Reader& in, RunRecord& record) {
   record.scene_text = in.text("scene");
 }
 
-void write_data(Hdf5Writer& out, const LocalData& data) {
+void write_conditions(Hdf5Writer& out, const ChuteConditions& conditions) {
   out.group("conditions");
-  write_fields(out, "conditions", data.conditions, condition_fields);
-  out.attribute("conditions", "geometry", data.conditions.geometry);
-  out.attribute("conditions", "base", data.conditions.base);
+  write_fields(out, "conditions", conditions, condition_fields);
+  out.attribute("conditions", "geometry", conditions.geometry);
+  out.attribute("conditions", "base", conditions.base);
+  if (conditions.tilts.empty()) return;
+  write_column(out, "conditions/tilt_times", conditions.tilts, dimension::time, &TiltStep::time);
+  write_column(out, "conditions/tilts", conditions.tilts, {}, &TiltStep::inclination);
+}
+
+ChuteConditions read_conditions(const Hdf5Reader& in) {
+  ChuteConditions conditions;
+  read_fields(in, "conditions", conditions, condition_fields);
+  conditions.geometry = in.text("conditions", "geometry");
+  conditions.base = in.text("conditions", "base");
+  if (!in.has("conditions/tilt_times")) return conditions;
+  conditions.tilts.resize(length_of(in, "conditions/tilt_times"));
+  read_column(in, "conditions/tilt_times", conditions.tilts, &TiltStep::time);
+  read_column(in, "conditions/tilts", conditions.tilts, &TiltStep::inclination);
+  return conditions;
+}
+
+void write_window(Hdf5Writer& out, const SteadyWindow& window) {
   out.group("window");
-  write_fields(out, "window", data.window, window_fields);
-  out.attribute("window", "steady", std::int64_t{data.window.steady});
-  out.attribute("window", "reason", data.window.reason);
-  write_rows(out, data.rows, slides(data.frames));
+  write_fields(out, "window", window, window_fields);
+  out.attribute("window", "steady", std::int64_t{window.steady});
+  out.attribute("window", "reason", window.reason);
+  if (!window.arrested_at) return;
+  out.group("window/arrest");
+  out.attribute("window/arrest", "time", *window.arrested_at);
+}
+
+SteadyWindow read_window(const Hdf5Reader& in) {
+  SteadyWindow window;
+  read_fields(in, "window", window, window_fields);
+  window.steady = in.integer("window", "steady") != 0;
+  window.reason = in.text("window", "reason");
+  if (in.has("window/arrest")) window.arrested_at = in.number("window/arrest", "time");
+  return window;
+}
+
+void write_data(Hdf5Writer& out, const LocalData& data) {
+  write_conditions(out, data.conditions);
+  write_window(out, data.window);
+  write_rows(out, data);
+  write_scales(out, data);
   write_frames(out, data.frames);
   write_widths(out, data);
   out.group("summary");
@@ -199,12 +158,8 @@ void write_data(Hdf5Writer& out, const LocalData& data) {
 }
 
 void read_data(const Hdf5Reader& in, LocalData& data) {
-  read_fields(in, "conditions", data.conditions, condition_fields);
-  data.conditions.geometry = in.text("conditions", "geometry");
-  data.conditions.base = in.text("conditions", "base");
-  read_fields(in, "window", data.window, window_fields);
-  data.window.steady = in.integer("window", "steady") != 0;
-  data.window.reason = in.text("window", "reason");
+  data.conditions = read_conditions(in);
+  data.window = read_window(in);
   data.frames = read_frames(in);
   const bool friction = slides(data.frames);
   data.rows = read_rows(in, friction);

@@ -138,6 +138,27 @@ dem::Base read_base(const Reader& read,
   return base;
 }
 
+/// Tilts that follow the first: two lists of equal length.
+std::vector<dem::TiltStep> read_tilts(const Reader& read, Section& section) {
+  using Numbers = std::vector<double>;
+  const auto times = section.find<Numbers>({"tilt_times",
+                                            "the tilt changes at, ascending, since the start of "
+                                            "the flow; a run is judged by what follows the last",
+                                            read.units[dimension::time],
+                                            positive},
+                                           "the tilt stays");
+  const auto tilts = section.find<Numbers>({"tilts", "tilt from then on", {"degrees"}, chute_tilts},
+                                           "the tilt stays");
+  const std::size_t count = times ? times->size() : 0;
+  if (count != (tilts ? tilts->size() : 0)) {
+    section.problem(tilts ? "tilts" : "tilt_times", "tilt_times and tilts must be equally long");
+    return {};
+  }
+  std::vector<dem::TiltStep> steps;
+  for (std::size_t k = 0; k < count; ++k) steps.push_back({(*times)[k], radians((*tilts)[k])});
+  return steps;
+}
+
 dem::Chute read_chute(const Reader& read, Section section) {
   dem::Chute chute;
   chute.inclination = radians(section.read<double>({"inclination",
@@ -145,6 +166,7 @@ dem::Chute read_chute(const Reader& read, Section section) {
                                                     "mirror the scene",
                                                     {"degrees"},
                                                     chute_tilts}));
+  chute.tilts = read_tilts(read, section);
   chute.length = read.period(section, "length", "period along the flow", chute.length);
   chute.width = read.period(
       section, "width", "period across the flow, or distance of side walls", chute.width);

@@ -84,6 +84,19 @@ struct SetOfUnits {
   double density = 1.0;
 };
 
+/// Mass and stiffness of everything else are counted in those of a grain.
+void refuse_immeasurable(Section& grains, const SetOfUnits& read) {
+  const double mass =
+      read.density * std::numbers::pi / 6.0 * read.diameter * read.diameter * read.diameter;
+  if (std::isnormal(mass)) return;
+  grains.problem("diameter",
+                 fmt::format("a grain of diameter {:.4g} and density {:.4g} has a mass of {:.4g}: "
+                             "no number to count in",
+                             read.diameter,
+                             read.density,
+                             mass));
+}
+
 SetOfUnits read_set(InputFile& in) {
   SetOfUnits read;
   read.name = in.top().choice(
@@ -98,6 +111,7 @@ SetOfUnits read_set(InputFile& in) {
   const Key density{"density", "grain density rho_p", {"mass/length^3"}, positive};
   read.diameter = read_unless_fixed(grains, read.name, diameter);
   read.density = read_unless_fixed(grains, read.name, density);
+  refuse_immeasurable(grains, read);
   return read;
 }
 

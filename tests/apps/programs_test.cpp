@@ -188,11 +188,56 @@ TEST_F(Programs, TheSameSceneGivesTheSameNumbers) {
   EXPECT_EQ(a, b);
 }
 
+TEST_F(Programs, ARunIsDrawnOnRequest) {
+  const std::string run_scene = "dem " + small_scene("24") + " --quiet -o " + path("drawn.h5");
+  const Output picture = grainlaw(run_scene + " --plot " + path("drawn.svg"));
+  if (picture.text.find("gnuplot was not found") != std::string::npos) GTEST_SKIP();
+  ASSERT_EQ(picture.code, 0) << picture.text;
+  std::ifstream file(path("drawn.svg"));
+  const std::string svg{std::istreambuf_iterator<char>(file), {}};
+  EXPECT_NE(svg.find("</svg>"), std::string::npos);
+  EXPECT_NE(svg.find("φ"), std::string::npos);
+}
+
+TEST_F(Programs, APictureThatCannotBeDrawnIsRefusedBeforeTheRun) {
+  const std::string dem = "/grainlaw-dem " + small_scene("24") + " -o " + path("never.h5");
+  const Output ending = run(bin + dem + " --plot " + path("p.pdf"));
+  EXPECT_EQ(ending.code, 1);
+  EXPECT_NE(ending.text.find(".svg or .png"), std::string::npos) << ending.text;
+  const Output none = run("PATH=/nowhere " + bin + dem + " --plot " + path("p.svg"));
+  EXPECT_EQ(none.code, 1);
+  EXPECT_NE(none.text.find("gnuplot was not found"), std::string::npos) << none.text;
+  EXPECT_FALSE(fs::exists(path("never.h5")));
+}
+
+TEST_F(Programs, AnEmptyNameIsNoOutput) {
+  const Output empty = grainlaw("dem " + small_scene("24") + " --check -o ''");
+  EXPECT_EQ(empty.code, 1);
+  EXPECT_NE(empty.text.find("empty"), std::string::npos) << empty.text;
+}
+
 TEST_F(Programs, ALayerThatStaysAtRestEndsWithItsReason) {
   const Output answer = grainlaw("dem " + small_scene("15") + " --quiet -o " + path("rest.h5"));
   EXPECT_EQ(answer.code, 2);
   EXPECT_NE(answer.text.find("arrested"), std::string::npos) << answer.text;
   EXPECT_TRUE(fs::exists(path("rest.h5")));
+}
+
+TEST_F(Programs, ArrestAfterATiltIsAnAnswerWithItsTime) {
+  const std::string laid_back = "\ntilt_times = [30.0]\ntilts = [12.0]";
+  const std::string scene = small_scene("26" + laid_back);
+  const Output answer = grainlaw("dem " + scene + " --json -o " + path("laid.h5"));
+  EXPECT_EQ(answer.code, 0) << answer.text;
+  const auto json = nlohmann::json::parse(answer.text.substr(answer.text.find('{')));
+  EXPECT_FALSE(json["steady"].get<bool>());
+  EXPECT_GT(json["arrested_at"].get<double>(), 30.0);
+  EXPECT_EQ(json["inclination"].get<double>(), 12.0);
+}
+
+TEST_F(Programs, TiltsAndTheirTimesHaveToBeEquallyMany) {
+  const Output answer = grainlaw("dem " + small_scene("26\ntilts = [12.0]") + " --check");
+  EXPECT_EQ(answer.code, 1);
+  EXPECT_NE(answer.text.find("equally long"), std::string::npos) << answer.text;
 }
 
 TEST_F(Programs, ASteepLayerIsCalledAcceleratingBeforeItsTimeIsUp) {

@@ -230,6 +230,35 @@ TEST(SteadyState, LayerThatStopsIsArrested) {
   EXPECT_TRUE(assessment.certain);
 }
 
+TEST(SteadyState, ArrestIsTheBeginOfTheRestTheRunEndsIn) {
+  // At rest, moving again from 20 to 39, then at rest: frames of 2, of which that from 38 to 40
+  // moves in its middle.
+  const auto jerking = [](double t) { return t > 20.0 && t < 39.5 ? 0.5 : 0.0; };
+  const Assessment assessment = assess(frames_of(jerking, 0.0, 40), criteria);
+  ASSERT_EQ(assessment.state, FlowState::arrested) << assessment.reason;
+  EXPECT_EQ(assessment.arrested_at, 40.0);
+}
+
+TEST(SteadyState, WhatWasBeforeTheLastChangeOfTheDriveIsNotJudged) {
+  // Steady at 2 until the drive changes at 401; then a new approach, to 3, of relaxation time 60.
+  const auto stepped = [](double t) {
+    return t < 401.0 ? 2.0 : 3.0 - std::exp(-(t - 401.0) / 60.0);
+  };
+  SteadyCriteria changed = criteria;
+  changed.last_change = 401.0;
+  const auto frames = frames_of(stepped, 0.02, 460);
+  const auto until = [&](double time) {
+    const auto count = static_cast<std::size_t>(time / frame_length);
+    return assess(std::span(frames).first(count), changed);
+  };
+  EXPECT_EQ(until(400.0).state, FlowState::too_short);
+  EXPECT_FALSE(until(400.0).certain);
+  const Assessment at_end = until(920.0);
+  ASSERT_EQ(at_end.state, FlowState::steady) << at_end.reason;
+  // The noise of 2 % of the way lets it pass 63 % early by less than a tenth of its time.
+  EXPECT_GE(frames[at_end.first_frame].begin, 401.0 + 3.0 * 0.9 * 60.0);
+}
+
 TEST(SteadyState, LayerThatSlowsDownIsDrifting) {
   const auto slowing = [](double t) { return 2.0 - t / 400.0; };
   const Assessment assessment = assess(frames_of(slowing, 0.02, 120), criteria);

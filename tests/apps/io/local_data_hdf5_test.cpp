@@ -35,6 +35,9 @@ dem::LocalRow any_row(std::mt19937_64& random) {
                            &row.temperature,
                            &row.inertial_number,
                            &row.softness,
+                           &row.bond_number,
+                           &row.scaled_temperature,
+                           &row.bulk_inertial_number,
                            &row.friction,
                            &row.pressure,
                            &row.coordination,
@@ -76,10 +79,12 @@ dem::LocalData any_data(std::size_t rows, std::size_t frames, std::uint64_t seed
                      .grain_density = 1.9,
                      .stiffness = 2e4,
                      .contact_friction = 0.5,
+                     .attraction = 2.0,
                      .mass_per_area = 22.0,
                      .shear_rate = 0.3,
-                     .base = "bumpy, thickness 1.5 d"};
-  data.window = {true, 100.0, 300.0, "mean velocity does not drift"};
+                     .base = "bumpy, thickness 1.5 d",
+                     .tilts = {{0.0, 0.42}, {100.0, 0.4}}};
+  data.window = {true, 100.0, 300.0, "mean velocity does not drift", any_double(random)};
   for (std::size_t k = 0; k < rows; ++k) data.rows.push_back(any_row(random));
   data.frames.z_begin = -1.5;
   for (std::size_t k = 0; k < frames; ++k) {
@@ -178,6 +183,8 @@ TEST(LocalDataHdf5, EveryBitComesBack) {
   EXPECT_EQ(again.conditions.shear_rate, data.conditions.shear_rate);
   EXPECT_EQ(again.conditions.base, data.conditions.base);
   EXPECT_EQ(again.conditions.mass_per_area, 22.0);
+  EXPECT_EQ(again.conditions.tilts, data.conditions.tilts);
+  EXPECT_TRUE(same(again.window.arrested_at.value(), *data.window.arrested_at));
   EXPECT_EQ(again.window.reason, data.window.reason);
   EXPECT_TRUE(again.window.steady);
   EXPECT_EQ(again.frames.z_begin, -1.5);
