@@ -66,7 +66,7 @@ double golden_section(const std::function<double(double)>& value,
                       double high,
                       double enough) {
   constexpr double ratio = 1.0 / std::numbers::phi;
-  const double smallest = 1e-9 * (high - low);
+  const double smallest = 1e-8 * (high - low);
   double left = high - ratio * (high - low);
   double right = low + ratio * (high - low);
   double at_left = value(left);

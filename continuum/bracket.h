@@ -30,7 +30,7 @@ Bracket split(const std::function<bool(double)>& holds,
               double no,
               double precision = 1e-12);
 
-/// Where a function with one maximum between the ends has it, to 1e-9 of their distance; ends
+/// Where a function with one maximum between the ends has it, to 1e-8 of their distance; ends
 /// earlier at a value that is `enough`.
 double golden_section(const std::function<double(double)>& value,
                       double low,

@@ -74,7 +74,8 @@ class Search {
   double peak(double flat, double steep, double enough) const;
   Bracket last_flowing(const std::function<FoundChute(double)>& flow,
                        double low,
-                       double high) const;
+                       double high,
+                       double precision) const;
   LargestFlow over_tilts() const;
   LargestFlow over_depths() const;
   void end_by_data(LargestFlow& largest,
@@ -92,7 +93,12 @@ FoundChute Search::at(double tilt, double mass) const {
   FoundChute found{.chute = question_.chute, .steady = {}};
   found.chute.inclination = tilt;
   found.chute.mass_per_area = mass;
-  found.steady = steady_chute(table_, found.chute);
+  try {
+    found.steady = steady_chute(table_, found.chute);
+  } catch (const std::bad_optional_access&) {  // at the limit itself, by rounding
+    found.steady.answer = {.outcome = Outcome::no_dense_state,
+                           .text = "at the limit of what the law carries"};
+  }
   found.mass_flow = found.chute.grains.density * std::abs(found.steady.profile.flux);
   return found;
 }
@@ -149,7 +155,8 @@ Search::Grown Search::grow(double tilt,
 }
 
 std::string ends_there(const FoundChute& beyond_it) {
-  return "steady flow ends there: " + beyond_it.steady.answer.text;
+  const auto& [outcome, text, time, flags, condition] = beyond_it.steady.answer;
+  return flows(outcome) ? "steady flow ends there" : "steady flow ends there: " + text;
 }
 
 FoundChute Search::mass_of_flow() const {
@@ -166,6 +173,12 @@ FoundChute Search::mass_of_flow() const {
   return layer;
 }
 
+constexpr const char* held = "the yield stress holds the layer at every tilt";
+
+bool rests_at_any_tilt(const Bracket& end) {
+  return std::isinf(end.low_miss) && end.low > 0.999 * steepest;
+}
+
 FoundChute Search::tilt_of_flow() const {
   const double wanted = *question_.mass_flow;
   double high = steepest;
@@ -175,6 +188,7 @@ FoundChute Search::tilt_of_flow() const {
     return excess(layer, layer.mass_flow, wanted);
   };
   const Bracket end = root(off, {.low = 0.0, .high = high});
+  if (rests_at_any_tilt(end)) throw NoSuchFlow(held, Missed::mass_flow);
   FoundChute layer = of_size_or_rest(end.nearest());
   if (!(std::abs(excess(layer, layer.mass_flow, wanted)) < 1e-9))
     flow_not_reached(layer,
@@ -196,16 +210,18 @@ double Search::a_flowing_tilt() const {
     tilt = t;
     return 0.0;
   };
-  root(none, {.low = 0.0, .high = steepest});
-  if (!flows(of_size_or_rest(tilt).steady.answer.outcome)) throw NoSuchFlow(why, Missed::mass_flow);
-  return tilt;
+  const Bracket end = root(none, {.low = 0.0, .high = steepest});
+  if (flows(of_size_or_rest(tilt).steady.answer.outcome)) return tilt;
+  throw NoSuchFlow(rests_at_any_tilt(end) ? held : why, Missed::mass_flow);
 }
 
 /// Between a value at which the layer flows and one at which it does not.
 Bracket Search::last_flowing(const std::function<FoundChute(double)>& flow,
                              double low,
-                             double high) const {
-  return split([&](double x) { return flows(flow(x).steady.answer.outcome); }, low, high);
+                             double high,
+                             double precision) const {
+  return split(
+      [&](double x) { return flows(flow(x).steady.answer.outcome); }, low, high, precision);
 }
 
 /// The tilt of the largest flow of a given depth, by golden section: steeper, the layer thins more
@@ -213,8 +229,8 @@ Bracket Search::last_flowing(const std::function<FoundChute(double)>& flow,
 double Search::peak(double flat, double steep, double enough) const {
   const double inside = a_flowing_tilt();
   const auto flow = [&](double tilt) { return of_size_or_rest(tilt); };
-  const double lowest = last_flowing(flow, inside, flat).low;
-  const double highest = last_flowing(flow, inside, steep).low;
+  const double lowest = last_flowing(flow, inside, flat, 1e-6).low;
+  const double highest = last_flowing(flow, inside, steep, 1e-6).low;
   return golden_section(
       [&](double tilt) {
         const FoundChute layer = of_size_or_rest(tilt);
@@ -281,7 +297,7 @@ void Search::end_by_data(LargestFlow& largest,
 LargestFlow Search::over_tilts() const {
   refuse_own_tilt(table_);
   const auto flow = [&](double tilt) { return of_size_or_rest(tilt); };
-  const Bracket end = last_flowing(flow, a_flowing_tilt(), steepest);
+  const Bracket end = last_flowing(flow, a_flowing_tilt(), steepest, 1e-10);
   LargestFlow largest;
   largest.law_limit = end.low;
   largest.law_end = flow(end.high).steady.answer.outcome;
