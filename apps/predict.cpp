@@ -231,8 +231,11 @@ ExitCode predict_steady(const Arguments& arguments,
                         Summary& summary,
                         const CommonOptions& options) {
   std::optional<continuum::TransientChute> transient;
-  describe_sampled_band(
-      summary, continuum::sample_error_band(steady, table, file.chute), file.units);
+  const bool as_given =
+      !file.depth && !file.mass_flow && file.question != io::Question::largest_flow;
+  if (as_given)  // a search holds other things than tilt and mass
+    describe_sampled_band(
+        summary, continuum::sample_error_band(steady, table, file.chute), file.units);
   describe_depth(summary, table, steady.profile, file);
   if (file.question == io::Question::flow) {
     transient = continuum::transient_chute(table, file.chute, file.transient);

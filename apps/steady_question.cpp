@@ -127,21 +127,32 @@ continuum::SteadyChute steady_with_band(const continuum::RheologyTable& table,
   }
 }
 
+namespace {
+
+std::optional<continuum::ChuteErrors> errors_of(const SteadyAnswer& answer,
+                                                const continuum::RheologyTable& table,
+                                                const ChuteQuestion& question) {
+  const bool by_data = answer.largest && answer.largest->ended_by_data && !question.inclination;
+  return continuum::search_errors(table, [&](const continuum::RheologyTable& moved) {
+    if (by_data) return continuum::end_of_data(moved, question);
+    if (answer.largest) return continuum::largest_flow(moved, question).found;
+    return continuum::find_chute(moved, question);
+  });
+}
+
+}  // namespace
+
 SteadyAnswer answer_steady(const continuum::RheologyTable& table, io::CaseFile& file) {
   const ChuteQuestion question = question_of(file);
   const bool largest = file.question == io::Question::largest_flow;
-  const auto find = [&](const continuum::RheologyTable& moved) {
-    return largest ? continuum::largest_flow(moved, question).found
-                   : continuum::find_chute(moved, question);
-  };
   try {
     SteadyAnswer answer;
     if (largest) answer.largest = continuum::largest_flow(table, question);
-    FoundChute found = largest ? answer.largest->found : find(table);
+    FoundChute found = largest ? answer.largest->found : continuum::find_chute(table, question);
     file.chute = found.chute;
     answer.mass_flow = found.mass_flow;
     answer.steady = std::move(found.steady);
-    if (flows(answer.steady.answer.outcome)) answer.errors = continuum::search_errors(table, find);
+    if (flows(answer.steady.answer.outcome)) answer.errors = errors_of(answer, table, question);
     continuum::add_error_band(answer.steady, table, file.chute);
     return answer;
   } catch (const NoSuchFlow& missing) {
@@ -163,12 +174,11 @@ void describe(Summary& summary, const SteadyAnswer& answer, const io::CaseFile& 
     summary.add_estimate("inclination", "tilt", tilt, io::degrees(errors.inclination), "degrees");
   else
     summary.add("inclination", "tilt", tilt, "degrees");
-  const bool given = !file.depth && !file.mass_flow && !answer.largest;
   line.add("mass_per_area",
            "mass per area",
            file.chute.mass_per_area,
            is::mass_per_area,
-           given ? 0.0 : errors.mass_per_area);
+           errors.mass_per_area);
   if (profile.rows.empty()) return;
   line.add(
       "height", "free surface at", profile.height, is::length, file.depth ? 0.0 : errors.height);
@@ -182,7 +192,7 @@ void describe(Summary& summary, const SteadyAnswer& answer, const io::CaseFile& 
   summary.add_estimate("surface_velocity",
                        "surface velocity",
                        profile.surface_velocity * velocity,
-                       profile.rows.back().velocity_error * velocity,
+                       errors.surface_velocity * velocity,
                        file.units.symbol(is::velocity));
 }
 

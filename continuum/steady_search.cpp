@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -51,6 +50,12 @@ class Search {
         least_mass_((table.base ? table.base->mass_below + thinnest : thinnest) * unit_) {}
 
   FoundChute find() const;
+  std::optional<FoundChute> end_of_data(const std::function<FoundChute(double)>& flow,
+                                        double low,
+                                        double high) const;
+  std::optional<FoundChute> end_of_data_over_tilts() const {
+    return end_of_data([&](double tilt) { return of_size_or_rest(tilt); }, 0.0, steepest);
+  }
   LargestFlow largest() const { return question_.inclination ? over_depths() : over_tilts(); }
 
  private:
@@ -78,10 +83,7 @@ class Search {
                        double precision) const;
   LargestFlow over_tilts() const;
   LargestFlow over_depths() const;
-  void end_by_data(LargestFlow& largest,
-                   const std::function<FoundChute(double)>& flow,
-                   double low,
-                   double high) const;
+  void end_by_data(LargestFlow& largest, const std::optional<FoundChute>& data) const;
 
   const RheologyTable& table_;
   const ChuteQuestion& question_;
@@ -260,35 +262,32 @@ FoundChute Search::find() const {
   throw std::invalid_argument("of tilt, size and mass flow exactly two must be given");
 }
 
-/// Where I reaches the highest of the data before the law has its largest flow.
-void Search::end_by_data(LargestFlow& largest,
-                         const std::function<FoundChute(double)>& flow,
-                         double low,
-                         double high) const {
+/// Where the highest I of the layer, which grows with x, is the highest of the data.
+std::optional<FoundChute> Search::end_of_data(const std::function<FoundChute(double)>& flow,
+                                              double low,
+                                              double high) const {
   const auto& range = table_.range.inertial_number;
-  if (range) {
-    const Bracket end = root(
-        [&](double x) {
-          const FoundChute layer = flow(x);
-          return excess(layer, highest_inertial_number(layer.steady.profile), range->upper);
-        },
-        {.low = low, .high = high});
-    FoundChute layer = flow(end.nearest());
-    const double I = highest_inertial_number(layer.steady.profile);
-    const bool flowing = flows(layer.steady.answer.outcome);
-    if (flowing && std::abs(I / range->upper - 1.0) < 1e-9) {
-      largest.found = std::move(layer);
-      largest.ended_by_data = true;
-      return;
-    }
-  }
-  if (!largest.law)
+  if (!range) return std::nullopt;
+  const auto miss = [&](const FoundChute& layer) {
+    return excess(layer, highest_inertial_number(layer.steady.profile), range->upper);
+  };
+  const Bracket end = root([&](double x) { return miss(flow(x)); }, {.low = low, .high = high});
+  FoundChute layer = flow(end.nearest());
+  if (std::abs(miss(layer)) < 1e-9) return layer;
+  return std::nullopt;
+}
+
+/// The data end the flow unless the law has its largest before.
+void Search::end_by_data(LargestFlow& largest, const std::optional<FoundChute>& data) const {
+  largest.ended_by_data = data.has_value();
+  if (!data && !largest.law)
     throw NoSuchFlow(
-        range ? "the mass flow of the law grows without limit and no steady flow ends where I "
-                "leaves the data"
-              : "the mass flow of the law grows without limit and the table states no range of I",
+        table_.range.inertial_number
+            ? "every steady flow of the law lies at a higher I than the data, and it grows without "
+              "limit"
+            : "the mass flow of the law grows without limit and the table states no range of I",
         Missed::mass_flow);
-  largest.found = *largest.law;
+  largest.found = data ? *data : *largest.law;
 }
 
 /// At the limit of steady flow q of the base grows like 1/(M_limit - M) or faster, so the flow has
@@ -309,7 +308,7 @@ LargestFlow Search::over_tilts() const {
   } else if (chute.walls && !chute.grains.adhesion && !chute.grains.stiffness) {
     largest.law = flow(top);
   }
-  end_by_data(largest, flow, 0.0, top);
+  end_by_data(largest, end_of_data(flow, 0.0, top));
   return largest;
 }
 
@@ -341,51 +340,8 @@ LargestFlow Search::over_depths() const {
                          : grown.end.steady.answer.text,
                      Missed::mass_flow);
   }
-  end_by_data(largest, flow, least_mass_, largest.law_limit);
+  end_by_data(largest, end_of_data(flow, least_mass_, largest.law_limit));
   return largest;
-}
-
-/// Step of the finite differences in standard errors, as in the error band of a profile.
-constexpr double step_in_errors = 1e-2;
-using Numbers = std::array<double, 4>;
-
-std::optional<Numbers> moved(const RheologyTable& table,
-                             const std::function<FoundChute(const RheologyTable&)>& find,
-                             const std::string& name,
-                             double value) {
-  RheologyTable other = table;
-  set_coefficient(other, name, value);
-  try {
-    const FoundChute found = find(other);
-    if (!flows(found.steady.answer.outcome)) return std::nullopt;
-    return Numbers{found.chute.inclination,
-                   found.chute.mass_per_area,
-                   found.steady.profile.height,
-                   found.mass_flow};
-  } catch (const NoSuchFlow&) {
-    return std::nullopt;
-  } catch (const TableError&) {
-    return std::nullopt;
-  }
-}
-
-/// Derivative by one coefficient, times its standard error: central, or one-sided at an edge.
-std::optional<Numbers> derivative(const RheologyTable& table,
-                                  const std::function<FoundChute(const RheologyTable&)>& find,
-                                  const std::string& name,
-                                  double error) {
-  if (error == 0.0) return Numbers{};
-  const double value = coefficient(table, name);
-  const double step = step_in_errors * error;
-  auto high = moved(table, find, name, value + step);
-  auto low = moved(table, find, name, value - step);
-  const double steps = (high && low ? 2.0 : 1.0) * step_in_errors;
-  if (!high) high = moved(table, find, name, value);
-  if (!low) low = moved(table, find, name, value);
-  if (!high || !low) return std::nullopt;
-  Numbers result{};
-  for (std::size_t k = 0; k < result.size(); ++k) result[k] = ((*high)[k] - (*low)[k]) / steps;
-  return result;
 }
 
 }  // namespace
@@ -401,27 +357,10 @@ LargestFlow largest_flow(const RheologyTable& table, const ChuteQuestion& questi
   return Search(table, question).largest();
 }
 
-std::optional<ChuteErrors> search_errors(
-    const RheologyTable& table, const std::function<FoundChute(const RheologyTable&)>& find) {
-  if (!table.covariance) return std::nullopt;
-  const Covariance& covariance = *table.covariance;
-  const std::size_t n = covariance.names.size();
-  std::vector<Numbers> change;
-  for (std::size_t i = 0; i < n; ++i) {
-    const auto by = derivative(table, find, covariance.names[i], std::sqrt(covariance(i, i)));
-    if (!by) return std::nullopt;
-    change.push_back(*by);
-  }
-  Numbers variance{};
-  for (std::size_t i = 0; i < n; ++i)
-    for (std::size_t j = 0; j < n; ++j) {
-      const double scale = std::sqrt(covariance(i, i) * covariance(j, j));
-      if (scale == 0.0) continue;
-      for (std::size_t k = 0; k < variance.size(); ++k)
-        variance[k] += change[i][k] * covariance(i, j) / scale * change[j][k];
-    }
-  for (double& v : variance) v = std::sqrt(std::max(0.0, v));
-  return ChuteErrors{variance[0], variance[1], variance[2], variance[3]};
+FoundChute end_of_data(const RheologyTable& table, const ChuteQuestion& question) {
+  auto found = Search(table, question).end_of_data_over_tilts();
+  if (!found) throw NoSuchFlow("I stays below that of the data", Missed::mass_flow);
+  return std::move(*found);
 }
 
 }  // namespace grainlaw::continuum

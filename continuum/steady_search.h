@@ -57,12 +57,17 @@ struct LargestFlow {
 /// the flow of the law grows without limit and no data end it, and like find_chute.
 LargestFlow largest_flow(const RheologyTable& table, const ChuteQuestion& question);
 
+/// The flow of `largest_flow` where the data end it over all tilts, without asking how far the law
+/// goes: what the propagation of errors repeats. Throws NoSuchFlow where I stays below the data's.
+FoundChute end_of_data(const RheologyTable& table, const ChuteQuestion& question);
+
 /// One standard error of each; 0 for what was given.
 struct ChuteErrors {
-  double inclination = 0.0;    ///< [rad]
-  double mass_per_area = 0.0;  ///< [mass/length^2]
-  double height = 0.0;         ///< of the free surface [length]
-  double mass_flow = 0.0;      ///< [mass/(length time)]
+  double inclination = 0.0;       ///< [rad]
+  double mass_per_area = 0.0;     ///< [mass/length^2]
+  double height = 0.0;            ///< of the free surface [length]
+  double mass_flow = 0.0;         ///< [mass/(length time)]
+  double surface_velocity = 0.0;  ///< with what was given held, unlike the band of a profile
 };
 
 /// Linear propagation of the table's covariance by finite differences through the whole search.

@@ -205,6 +205,32 @@ TEST(SteadySearch, ErrorOfTheMassFoundIsThatOfTheExactSolution) {
   EXPECT_EQ(errors->inclination, 0.0);
 }
 
+TEST(SteadySearch, ErrorsOfALayerThatIsGivenAreThoseOfItsBand) {
+  auto table = table_of(frictional_spheres());
+  table.covariance = Covariance{{"mu0", "beta"}, {1e-6, -1e-6, -1e-6, 1e-4}};
+  const auto given = chute(24, 30.0, {.stiffness = 2e5});
+  const auto find = [&](const RheologyTable& moved) {
+    return find_chute(
+        moved,
+        {.chute = given, .inclination = given.inclination, .mass_per_area = given.mass_per_area});
+  };
+  const auto errors = search_errors(table, find);
+  ASSERT_TRUE(errors);
+  auto steady = steady_chute(table, given);
+  add_error_band(steady, table, given);
+  const auto& surface = steady.profile.rows.back();
+  EXPECT_NEAR(errors->surface_velocity / surface.velocity_error, 1.0, 1e-9);
+  EXPECT_EQ(errors->mass_per_area, 0.0);
+}
+
+TEST(SteadySearch, DataEndTheFlowOverTiltsWithOrWithoutAskingTheLaw) {
+  auto table = table_of(frictional_spheres());
+  table.range.inertial_number = Range{0.005, 0.25};
+  const ChuteQuestion question{.chute = chute(0, 1.0, {.stiffness = 2e4}), .depth = 30.0};
+  const auto largest = largest_flow(table, question);
+  EXPECT_NEAR(end_of_data(table, question).mass_flow / largest.found.mass_flow, 1.0, 1e-8);
+}
+
 TEST(ThinLayer, StopDepthIsThatOfTheNonlocalFluidity) {
   const MuPhi glass{.friction = saturating_friction(0.3819, 0.6435, 0.279),
                     .volume_fraction = {.phi0 = 0.6, .I_phi = INFINITY}};
