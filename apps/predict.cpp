@@ -5,6 +5,7 @@
 
 #include "apps/certificate.h"
 #include "apps/command_line.h"
+#include "apps/grain_scales.h"
 #include "apps/io/case_input.h"
 #include "apps/io/profile_csv.h"
 #include "apps/io/rheology_table_toml.h"
@@ -33,27 +34,6 @@ struct Arguments {
 
 using continuum::flows;
 
-void describe(Summary& summary,
-              const continuum::Answer& answer,
-              const continuum::Profile& profile,
-              const io::Units& units) {
-  summary.add("outcome", "answer", std::string(name(answer.outcome)));
-  summary.add("text", "  in words", answer.text);
-  if (profile.rows.empty()) return;
-  namespace is = io::dimension;
-  summary.add("height",
-              "free surface at",
-              profile.height * units.size(is::length),
-              units.symbol(is::length));
-  summary.add_estimate("surface_velocity",
-                       "surface velocity",
-                       profile.surface_velocity * units.size(is::velocity),
-                       profile.rows.back().velocity_error * units.size(is::velocity),
-                       units.symbol(is::velocity));
-  summary.add(
-      "flux", "flux int phi v dz", profile.flux * units.size(is::flux), units.symbol(is::flux));
-}
-
 /// Beside the band of linear propagation, one that knows no linearity.
 void describe_sampled_band(Summary& summary,
                            const std::optional<continuum::SampledBand>& band,
@@ -79,6 +59,7 @@ void describe_transient(Summary& summary,
   const std::string velocity = units.symbol(is::velocity);
   const std::string time = units.symbol(is::time);
   const auto& answer = transient.answer;
+  summary.heading("In time");
   summary.add("transient_outcome", "in time (CVODE)", std::string(name(answer.outcome)));
   summary.add("transient_text", "  in words", answer.text);
   if (answer.time) {
@@ -145,8 +126,9 @@ Summary check(const io::CaseFile& file, const continuum::RheologyTable& table) {
   Summary summary;
   const bool bagnold = std::holds_alternative<continuum::GeneralisedBagnold>(table.law);
   std::vector<std::string> left_out;
-  if (file.question == io::Question::steady)
-    left_out.emplace_back("time loop (CVODE): answer = \"steady\"");
+  const bool in_time =
+      file.question != io::Question::steady && file.question != io::Question::largest_flow;
+  if (!in_time) left_out.emplace_back("time loop (CVODE): only the steady flow is asked");
   if (!table.covariance) left_out.emplace_back("error band: the table states no errors");
   if (!table.base)
     left_out.emplace_back("effective no-slip height: the table has none, u = 0 at z = 0");
@@ -155,18 +137,20 @@ Summary check(const io::CaseFile& file, const continuum::RheologyTable& table) {
   if (!file.chute.walls) left_out.emplace_back("side walls: none given");
   if (file.chute.slip_length == 0.0) left_out.emplace_back("slip at the base: none given");
   summary.add("case", "case", file.name);
-  summary.add("tilt", "tilt", io::degrees(file.chute.inclination), "degrees");
+  if (file.tilt_sought)
+    summary.add("tilt_sought", "tilt", std::string("is sought"));
+  else
+    summary.add("tilt", "tilt", io::degrees(file.chute.inclination), "degrees");
   summary.add("law",
               "law",
               std::string(bagnold ? "generalised Bagnold (its own tilt only)"
                                   : "mu(I, p*, Bo), phi(I, p*, Bo)"));
   summary.add("coefficients", "coefficients", continuum::coefficient_names(table));
   summary.add("leaves_out", "leaves out", left_out);
-  summary.add("run_time",
-              "run time",
-              std::string(file.question == io::Question::steady
-                              ? "below a millisecond"
-                              : "about 0.1 s per 1000 cells for a layer 50 d deep"));
+  summary.add(
+      "run_time",
+      "run time",
+      std::string(!in_time ? "milliseconds" : "about 0.1 s per 1000 cells for a layer 50 d deep"));
   return summary;
 }
 
@@ -186,6 +170,36 @@ void write_snapshots(const Arguments& arguments,
   throw NoAnswer(std::string(name(answer.outcome)) + ": " + answer.text);
 }
 
+void describe_grains(Summary& summary,
+                     const continuum::RheologyTable& table,
+                     const continuum::Profile& profile,
+                     const io::CaseFile& file) {
+  const auto with = [&](const continuum::GrainProperties& grains) -> std::optional<double> {
+    continuum::ChuteCase chute = file.chute;
+    chute.grains = grains;
+    const auto other = continuum::steady_chute(table, chute, {.rows = 2});
+    if (!flows(other.answer.outcome)) return std::nullopt;
+    return other.profile.surface_velocity;
+  };
+  say_grain_scales(summary,
+                   {.profile = profile,
+                    .grains = file.chute.grains,
+                    .place = "at the base",
+                    .response = "surface velocity",
+                    .value = profile.surface_velocity,
+                    .dimension = io::dimension::velocity,
+                    .with = with},
+                   table,
+                   file.units);
+}
+
+void say_trust(Summary& summary,
+               const continuum::Answer& answer,
+               const continuum::RheologyTable& table) {
+  summary.heading("How far to trust it");
+  summary.add("trust", "trust", trust(answer, table));
+}
+
 /// A flow in time: the answer, the profiles and the trust are those of the time integration.
 ExitCode predict_in_time(const Arguments& arguments,
                          const io::CaseFile& file,
@@ -194,7 +208,7 @@ ExitCode predict_in_time(const Arguments& arguments,
                          const CommonOptions& options) {
   const auto transient = continuum::transient_chute(table, file.chute, file.transient);
   describe_transient(summary, transient, file.units);
-  summary.add("trust", "trust", trust(transient.answer, table));
+  say_trust(summary, transient.answer, table);
   if (arguments.certificate)
     say_certificate(summary, table, transient.final_profile, file.chute.grains);
   if (!arguments.output.empty() && !transient.final_profile.rows.empty()) {
@@ -217,16 +231,25 @@ ExitCode predict_steady(const Arguments& arguments,
                         Summary& summary,
                         const CommonOptions& options) {
   std::optional<continuum::TransientChute> transient;
-  describe_sampled_band(
-      summary, continuum::sample_error_band(steady, table, file.chute), file.units);
+  const bool as_given =
+      !file.depth && !file.mass_flow && file.question != io::Question::largest_flow;
+  if (as_given)  // a search holds other things than tilt and mass
+    describe_sampled_band(
+        summary, continuum::sample_error_band(steady, table, file.chute), file.units);
+  describe_depth(summary, table, steady.profile, file);
   if (file.question == io::Question::flow) {
     transient = continuum::transient_chute(table, file.chute, file.transient);
     describe_transient(summary, *transient, file.units);
     write_snapshots(arguments, file, *transient);
   } else {
-    summary.add("time_loop", "time loop", std::string("left out: answer = \"steady\""));
+    summary.add(
+        "time_loop",
+        "time loop",
+        std::string(file.question == io::Question::steady ? "left out: answer = \"steady\""
+                                                          : "left out: answer = \"largest_flow\""));
   }
-  summary.add("trust", "trust", trust(steady.answer, table));
+  describe_grains(summary, table, steady.profile, file);
+  say_trust(summary, steady.answer, table);
   if (arguments.certificate) say_certificate(summary, table, steady.profile, file.chute.grains);
   if (!arguments.output.empty() && !steady.profile.rows.empty()) {
     write_profile(steady.profile, steady.answer, file.units, arguments.output);
@@ -251,13 +274,13 @@ ExitCode predict(const Arguments& arguments, const CommonOptions& options) {
     print(check(file, table), options);
     return ExitCode::answered;
   }
-  const continuum::SteadyChute steady = steady_with_band(table, file.chute, file.depth);
+  const SteadyAnswer found = answer_steady(table, file);
   Summary summary;
   if (arguments.certificate) say_certificate(summary, table);
-  describe(summary, steady.answer, steady.profile, file.units);
+  describe(summary, found, file);
   if (file.question == io::Question::start || file.question == io::Question::step)
     return predict_in_time(arguments, file, table, summary, options);
-  return predict_steady(arguments, file, table, steady, summary, options);
+  return predict_steady(arguments, file, table, found.steady, summary, options);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "apps/certificate.h"
+#include "apps/grain_scales.h"
 #include "apps/io/homogeneous_csv.h"
 #include "apps/io/profile_csv.h"
 #include "apps/io/safe_write.h"
@@ -151,6 +152,36 @@ bool as_json(const std::string& output) {
   return fs::path(output).extension() == ".json";
 }
 
+/// What is sought of the drive: its speed, or its stress where the speed is given.
+double response(const ShearBand& band) {
+  return band.sought == ShearBand::Sought::stress ? band.driving_stress : band.driving_velocity;
+}
+
+void say_grains(Summary& summary,
+                const ShearBand& band,
+                const io::CaseFile& file,
+                const continuum::RheologyTable& table) {
+  const auto with = [&](const continuum::GrainProperties& grains) -> std::optional<double> {
+    ShearBandCase other = *file.band;
+    other.grains = grains;
+    const ShearBand moved = continuum::shear_band(table, other);
+    if (!flows(moved.answer.outcome)) return std::nullopt;
+    return response(moved);
+  };
+  const bool stress = band.sought == ShearBand::Sought::stress;
+  const bool uniform = !std::holds_alternative<continuum::PlaneShear>(file.band->flow);
+  say_grain_scales(summary,
+                   {.profile = band.profile,
+                    .grains = file.band->grains,
+                    .place = uniform ? "everywhere" : "at the wall at rest",
+                    .response = stress ? "stress" : "velocity",
+                    .value = response(band),
+                    .dimension = stress ? is::stress : is::velocity,
+                    .with = with},
+                   table,
+                   file.units);
+}
+
 ExitCode predict_band(const io::CaseFile& file,
                       const continuum::RheologyTable& table,
                       const std::string& output,
@@ -165,7 +196,9 @@ ExitCode predict_band(const io::CaseFile& file,
     say_band(summary, band, file);
     if (has_start(file))
       say_start(summary, continuum::start_band(table, *file.band, {.cells = 100}), file.units);
+    say_grains(summary, band, file, table);
   }
+  summary.heading("How far to trust it");
   summary.add("trust", "trust", trust(band.answer, table));
   if (certificate && nonlocal(*file.band))
     summary.add("certificate_text",

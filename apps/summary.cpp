@@ -71,6 +71,10 @@ void Summary::add(const std::string& key,
   entries_.push_back({key, label, unit, std::move(value)});
 }
 
+void Summary::heading(const std::string& title) {
+  entries_.push_back({.key = {}, .label = title, .unit = {}, .value = std::string()});
+}
+
 void Summary::add_estimate(const std::string& key,
                            const std::string& label,
                            double value,
@@ -82,9 +86,14 @@ void Summary::add_estimate(const std::string& key,
 
 std::string Summary::text() const {
   std::size_t width = 0;
-  for (const Entry& entry : entries_) width = std::max(width, entry.label.size());
+  for (const Entry& entry : entries_)
+    if (!entry.key.empty()) width = std::max(width, entry.label.size());
   std::string out;
   for (const Entry& entry : entries_) {
+    if (entry.key.empty()) {
+      out += (out.empty() ? "" : "\n") + entry.label + '\n';
+      continue;
+    }
     const std::string value = entry.has_error
                                   ? value_with_error(std::get<double>(entry.value), entry.error)
                                   : value_text(entry.value, width + 2);
@@ -99,6 +108,7 @@ std::string Summary::text() const {
 std::string Summary::json() const {
   nlohmann::ordered_json object;
   for (const Entry& entry : entries_) {
+    if (entry.key.empty()) continue;  // a heading
     nlohmann::ordered_json& target = object[entry.key];
     if (entry.has_error) {
       target["value"] = number(std::get<double>(entry.value));

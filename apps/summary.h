@@ -24,6 +24,8 @@ class Summary {
            const std::string& label,
            Value value,
            const std::string& unit = {});
+  /// Begins a group of lines; JSON has no groups.
+  void heading(const std::string& title);
   /// Value and standard error; JSON gets {"value": , "error": } and, where it is said, the trust.
   void add_estimate(const std::string& key,
                     const std::string& label,

@@ -13,9 +13,9 @@
 
 namespace grainlaw::io {
 
-/// What is asked: the steady flow with its time-dependent path from rest, the steady flow alone, or
-/// a time-dependent flow as an answer of its own.
-enum class Question { flow, steady, start, step };
+/// What is asked: the steady flow with its time-dependent path from rest, the steady flow alone, a
+/// time-dependent flow as an answer of its own, or how far steady flow can be driven.
+enum class Question { flow, steady, start, step, largest_flow };
 
 /// Points of homogeneous shear: every combination of the numbers.
 struct SimpleShearCase {
@@ -39,10 +39,12 @@ struct CaseFile {
   std::optional<continuum::ShearBandCase> band;            ///< a shear band, no chute
   std::optional<continuum::SplitBottomCase> split_bottom;  ///< a ring cell, no chute
   std::optional<SimpleShearCase> simple_shear;             ///< the law itself, no flow
-  continuum::ChuteCase chute;  ///< mass_per_area is 0 when the depth is given instead
+  continuum::ChuteCase chute;  ///< mass_per_area is 0 where it is not given
   Question question = Question::flow;
   continuum::TransientOptions transient;
-  std::optional<double> depth;  ///< height of the free surface above the base plane [d]
+  std::optional<double> depth;      ///< height of the free surface above the base plane [d]
+  std::optional<double> mass_flow;  ///< given instead of the tilt or the size [m / (d time)]
+  bool tilt_sought = false;         ///< the tilt of `chute` is not given
   /// Axes of a sweep, every combination of which is asked; absent: one flow.
   std::optional<std::vector<SweepAxis>> sweep;
   Units units;

@@ -137,6 +137,9 @@ std::string Units::symbol(Dimension d) const {
     if (d == dimension::velocity) return "sqrt(g d)";
     if (d == dimension::time) return "sqrt(d/g)";
     if (d == dimension::rate) return "sqrt(g/d)";
+    if (d == dimension::flux) return "d sqrt(g d)";
+    if (d == dimension::mass_flow) return "m sqrt(g/d)/d";
+    if (d == dimension::stiffness) return "m g/d";
   }
   return product(d, {"m", "d", "t"});
 }

@@ -33,6 +33,7 @@ inline constexpr Dimension volume{0, 3, 0};
 inline constexpr Dimension dashpot{1, 0, -1};
 inline constexpr Dimension density{1, -3, 0};
 inline constexpr Dimension mass_per_area{1, -2, 0};
+inline constexpr Dimension mass_flow{1, -1, -1};  ///< per unit width
 inline constexpr Dimension stress{1, -1, -2};
 inline constexpr Dimension bagnold_a{1, -1, 0};   ///< mass/length
 inline constexpr Dimension bagnold_b{1, -1, -1};  ///< mass/(length time)

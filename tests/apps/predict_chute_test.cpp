@@ -4,10 +4,12 @@
 #include <unistd.h>
 
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -136,6 +138,100 @@ TEST_F(PredictChute, TheCertificateSaysWhereTheLawAndTheFlowAreWellPosed) {
   const auto json = nlohmann::json::parse(output.text);
   EXPECT_EQ(json["well_posed_softness_0_bond_0"], "I 0.0261 to 2.45");
   EXPECT_GT(json["certificate_margin"].get<double>(), 0.0);
+}
+
+/// The summary of a shipped case.
+nlohmann::json answer(const std::string& name) {
+  const Output output = predict(data + "/cases/" + name + ".toml --json --table " + frictional);
+  EXPECT_EQ(output.code, 0) << output.text;
+  return nlohmann::json::parse(output.text);
+}
+
+TEST_F(PredictChute, DepthFoundForAFlowCarriesThatFlow) {
+  const auto found = answer("depth_for_flow");
+  EXPECT_NEAR(found["mass_flow"].get<double>(), 50.0, 1e-7);  // found to 1e-9
+  const auto back = predict(write("units = \"si\"\nanswer = \"steady\"\n[grains]\n"
+                                  "diameter = 2e-3\ndensity = 2500\n[chute]\ninclination = 24\n"
+                                  "gravity = 9.81\ndepth = " +
+                                  found["height"].dump()) +
+                            " --json --table " + frictional);
+  EXPECT_NEAR(nlohmann::json::parse(back.text)["mass_flow"].get<double>(), 50.0, 1e-6);
+}
+
+TEST_F(PredictChute, TiltFoundForAFlowHasTheDepthAskedFor) {
+  const auto found = answer("tilt_for_flow");
+  EXPECT_NEAR(found["mass_flow"].get<double>(), 50.0, 1e-6);
+  EXPECT_NEAR(found["height"].get<double>(), 0.05, 1e-9);
+}
+
+TEST_F(PredictChute, LargestFlowIsToldOfTheDataAndOfTheLaw) {
+  const auto found = answer("largest_flow");
+  EXPECT_EQ(found["largest_ended_by"], "data");
+  EXPECT_EQ(found["law_limit_outcome"], "NO_DENSE_STATE");
+  EXPECT_LT(found["mass_flow"].get<double>(), found["law_mass_flow"].get<double>());
+}
+
+TEST_F(PredictChute, FlowThatNoDepthCarriesIsRefusedInTheUnitsOfTheFile) {
+  const Output output =
+      predict(write("units = \"si\"\n[grains]\ndiameter = 2e-3\ndensity = 2500\nstiffness = 1000\n"
+                    "[chute]\ngravity = 9.81\ninclination = 24\nmass_flow = 1e30\n") +
+              " --table " + frictional);
+  EXPECT_EQ(output.code, 2);
+  EXPECT_NE(output.text.find("1e+30 kg/(m s); the nearest: "), std::string::npos) << output.text;
+  EXPECT_NE(output.text.find("I_phi"), std::string::npos) << output.text;
+}
+
+TEST_F(PredictChute, BagnoldTableIsNotAskedForATilt) {
+  const Output output = predict(data + "/cases/tilt_for_flow.toml --table " + data +
+                                "/tables/brewster2008_example.toml");
+  EXPECT_EQ(output.code, 1);
+  EXPECT_NE(output.text.find("own tilt only"), std::string::npos) << output.text;
+}
+
+TEST_F(PredictChute, MoistGlassFromItsDataSheetIsAsGoodAsRigid) {
+  const auto found = answer("moist_glass_si");
+  EXPECT_EQ(found["stiff_enough"], true);
+  // E d / (3 (1 - nu^2)), and pi sqrt(m / 2 k_n) / 50
+  const double stiffness = 7e10 * 2e-3 / (3.0 * (1.0 - 0.22 * 0.22));
+  const double mass = 2500.0 * std::numbers::pi / 6.0 * 8e-9;
+  const double step = std::numbers::pi * std::sqrt(mass / (2.0 * stiffness)) / 50.0;
+  EXPECT_NEAR(found["stiffness"].get<double>() / stiffness, 1.0, 1e-12);
+  EXPECT_NEAR(found["time_step"].get<double>() / step, 1.0, 1e-12);
+  // p = rho_bulk g cos(theta) H, and both numbers from it
+  const double pressure =
+      found["mass_per_area"].get<double>() * 9.81 * std::cos(21.5 * std::numbers::pi / 180.0);
+  const double pull = std::numbers::pi * 2e-3 * 0.072 * std::cos(20.0 * std::numbers::pi / 180.0);
+  EXPECT_NEAR(found["softness_base"].get<double>() * stiffness / (pressure * 2e-3), 1.0, 1e-12);
+  EXPECT_NEAR(found["bond_number_base"].get<double>() * pressure * 4e-6 / pull, 1.0, 1e-12);
+}
+
+TEST_F(PredictChute, SoftestStiffnessMovesTheSurfaceByOnePercent) {
+  const auto speed = [&](double stiffness) {
+    const Output output = predict(
+        write("units = \"grain\"\nanswer = \"steady\"\n[grains]\nstiffness = " +
+              std::to_string(stiffness) + "\n[chute]\ninclination = 23\nmass_per_area = 30\n") +
+        " --json --table " + frictional);
+    return nlohmann::json::parse(output.text);
+  };
+  const auto stiff = speed(1e9);
+  const auto soft = speed(stiff["softest_stiffness"].get<double>());
+  const double change = soft["surface_velocity"]["value"].get<double>() /
+                            stiff["surface_velocity"]["value"].get<double>() -
+                        1.0;
+  EXPECT_NEAR(change, 0.01, 1e-4);  // k_n is found to 1e-4 of at most 32 in its logarithm
+}
+
+TEST_F(PredictChute, LayerBelowTheStopDepthIsFlaggedThin) {
+  const auto thin = [&](const std::string& depth) {
+    const Output output = predict(write("units = \"grain\"\nanswer = \"steady\"\n[chute]\n"
+                                        "inclination = 21\ndepth = " +
+                                        depth + "\n") +
+                                  " --json --table " + frictional);
+    return nlohmann::json::parse(output.text);
+  };
+  const double stop = thin("20")["stop_depth"].get<double>();
+  EXPECT_EQ(thin(std::to_string(0.99 * stop))["thin"], true);
+  EXPECT_EQ(thin(std::to_string(1.01 * stop))["thin"], false);
 }
 
 }  // namespace
