@@ -192,10 +192,14 @@ std::string_view name(SampleKind kind) {
   switch (kind) {
     case SampleKind::in_sample:
       return "in sample";
+    case SampleKind::leave_one_out:
+      return "left out";
     case SampleKind::interpolation:
       return "interpolation";
     case SampleKind::extrapolation:
       return "extrapolation";
+    case SampleKind::cross_geometry:
+      return "cross geometry";
     case SampleKind::independent:
       break;
   }

@@ -11,9 +11,16 @@
 namespace grainlaw::calibration {
 
 /// How a run relates to the data a law was fitted to; never mixed in one number.
-enum class SampleKind { in_sample, interpolation, extrapolation, independent };
+enum class SampleKind {
+  in_sample,       ///< fitted to this very run
+  leave_one_out,   ///< fitted again without it
+  interpolation,   ///< same geometry, between the fitted states
+  extrapolation,   ///< same geometry, beyond them
+  cross_geometry,  ///< fitted to flows of another geometry
+  independent,     ///< a table of elsewhere
+};
 
-std::string_view name(SampleKind kind);  ///< "in sample", "interpolation", ..., "independent table"
+std::string_view name(SampleKind kind);  ///< "in sample", "left out", ..., "independent table"
 
 /// in_sample: the tilt was fitted; interpolation: between fitted tilts; extrapolation: beyond them;
 /// independent: none of the runs at hand was fitted.

@@ -182,6 +182,7 @@ continuum::RheologyTable make_table(std::span<const dem::LocalData> runs,
                                      {{"no_slip_height", "mass_below"}, base.covariance}});
   table.range = explored(points);
   table.provenance.source = "grainlaw, mu(I) and phi(I) fit over tilts";
+  table.provenance.geometry = runs.front().conditions.geometry;
   for (const dem::LocalData& run : runs) table.provenance.data.push_back(run.name);
   return table;
 }

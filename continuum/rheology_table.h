@@ -50,7 +50,10 @@ struct Definitions {
 /// Where a table comes from and what it was checked against.
 struct Provenance {
   std::string source;                        ///< paper and table, or the program and its version
+  std::string geometry{};                    ///< flow of those runs, as scenes name it; empty: not
+                                             ///< stated
   std::vector<std::string> data;             ///< runs it was fitted to
+  std::vector<std::string> digests{};        ///< of their files, in that order; empty: not stated
   std::vector<std::string> checked_against;  ///< runs it was not fitted to
 };
 

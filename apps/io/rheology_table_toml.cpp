@@ -268,7 +268,11 @@ void read_words(InputFile& in, RheologyTable& table) {
   Provenance& p = table.provenance;
   p.source =
       provenance.read_or<std::string>({"source", "paper and table, or program"}, "", "not stated");
+  p.geometry = provenance.read_or<std::string>(
+      {"geometry", "of the flow of those runs, as scenes name it"}, "", "not stated");
   p.data = provenance.find<Texts>({"data", "runs it was fitted to"}).value_or(Texts{});
+  p.digests = provenance.find<Texts>({"digests", "of the files of those runs, in that order"})
+                  .value_or(Texts{});
   p.checked_against =
       provenance.find<Texts>({"checked_against", "runs it was not fitted to"}).value_or(Texts{});
 }

@@ -159,7 +159,9 @@ void write_words(TomlText& out, const Definitions& definitions, const Provenance
   out.line("stress", in_quotes(definitions.stress));
   out.section("provenance");
   out.line("source", in_quotes(provenance.source));
+  if (!provenance.geometry.empty()) out.line("geometry", in_quotes(provenance.geometry));
   out.line("data", list(provenance.data));
+  if (!provenance.digests.empty()) out.line("digests", list(provenance.digests));
   out.line("checked_against", list(provenance.checked_against));
 }
 
