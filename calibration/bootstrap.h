@@ -5,6 +5,8 @@
 #include <vector>
 
 #include "calibration/bagnold_fit.h"
+#include "calibration/fittable_law.h"
+#include "calibration/material_fit.h"
 #include "dem/local_data.h"
 
 namespace grainlaw::calibration {
@@ -37,5 +39,21 @@ BootstrapBand friction_band(std::span<const dem::LocalData> runs,
                             const std::vector<double>& inertial_numbers,
                             const BootstrapOptions& options = {},
                             const RowSelection& selection = {});
+
+/// Bands of both laws of simple shear at the given states.
+struct MaterialBand {
+  BootstrapBand friction;
+  BootstrapBand volume_fraction;
+};
+
+/// Every replicate resamples the frames of all boxes in moving blocks and fits both laws anew, with
+/// the terms and weights of `fit`. Where points scatter about a law by more than their errors the
+/// band is wider by the same factor, as the errors of the coefficients are. Throws FitError where a
+/// fitted point has no run with frames.
+MaterialBand material_band(std::span<const dem::LocalData> runs,
+                           std::span<const StatePoint> points,
+                           const MaterialFit& fit,
+                           std::span<const State> states,
+                           const BootstrapOptions& options = {});
 
 }  // namespace grainlaw::calibration

@@ -20,6 +20,10 @@ struct StatePoint {
   dem::Estimate bond_number{0.0, 0.0};  ///< Bo; 0: cohesionless
   dem::Estimate friction{};             ///< mu
   dem::Estimate volume_fraction{};      ///< phi
+  double correlation = 0.0;             ///< of the errors of mu and phi, which share their run
+  std::string run{};                    ///< it was measured in; empty: one of its own
+  double wall_seconds = 0.0;            ///< that run cost; 0: not known
+  std::string unfit{};                  ///< why no law is fitted to it; empty: it may be
 };
 
 /// What happens to points outside the range of a law.

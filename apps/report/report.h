@@ -6,7 +6,10 @@
 #include <vector>
 
 #include "calibration/bagnold_fit.h"
+#include "calibration/bootstrap.h"
 #include "calibration/comparison.h"
+#include "calibration/contact_friction_fit.h"
+#include "calibration/information.h"
 #include "calibration/mu_phi_fit.h"
 #include "continuum/chute_1d.h"
 #include "dem/local_data.h"
@@ -55,6 +58,35 @@ struct StageCost {
   double cpu_seconds = 0.0;
 };
 
+/// One line of a law in a figure: states along which I or Bo varies, with the band where one was
+/// bootstrapped.
+struct LawLine {
+  std::vector<calibration::State> states;
+  std::optional<calibration::MaterialBand> band;
+};
+
+/// mu(I, p*, Bo) and phi(I, p*, Bo) fitted to many states of homogeneous flow.
+struct MaterialReport {
+  std::vector<calibration::StatePoint> points;
+  calibration::MaterialFit fit;
+  std::vector<std::string> left_out;      ///< runs that gave no point, and why
+  std::vector<LawLine> against_inertia;   ///< one per p*, Bo = 0
+  std::vector<LawLine> against_cohesion;  ///< one per pair of I and p* with several Bo
+  calibration::LawInformation friction_information;
+  calibration::LawInformation fraction_information;
+  std::vector<calibration::CostPoint> cost;           ///< empty: no frames to average anew
+  std::optional<continuum::RheologyTable> reference;  ///< published row to compare with
+  std::string reference_name;
+};
+
+/// Coefficients of several tables as functions of the contact friction of their grains.
+struct ContactFrictionReport {
+  std::vector<continuum::RheologyTable> tables;
+  std::vector<std::string> table_names;
+  calibration::FrictionDependences curves;
+  std::optional<continuum::RheologyTable> interpolated;  ///< at the contact friction asked for
+};
+
 /// All a report shows. Everything in it was computed before; the report only writes.
 struct Report {
   std::string title;
@@ -62,6 +94,8 @@ struct Report {
   std::string machine;  ///< processor, cores and threads used; empty: not stated
   continuum::RheologyTable table;
   std::optional<calibration::MuPhiFit> fit;  ///< absent when the table was given
+  std::optional<MaterialReport> material;
+  std::optional<ContactFrictionReport> contact_friction;
   std::vector<RunComparison> runs;
   std::vector<TimeErrorPoint> error_against_time;
   std::vector<StageCost> costs;
