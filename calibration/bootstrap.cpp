@@ -22,15 +22,6 @@ std::vector<dem::ProfileFrame> steady_frames(const dem::LocalData& run) {
   return frames;
 }
 
-/// The value below which a share of the values lies, linear between them.
-double quantile(std::vector<double> values, double share) {
-  std::sort(values.begin(), values.end());
-  const double at = share * (static_cast<double>(values.size()) - 1.0);
-  const auto below = static_cast<std::size_t>(at);
-  const std::size_t above = std::min(below + 1, values.size() - 1);
-  return values[below] + (at - static_cast<double>(below)) * (values[above] - values[below]);
-}
-
 /// mu(I) of one replicate.
 std::vector<double> replicate(std::span<const dem::LocalData> runs,
                               const std::vector<double>& inertial_numbers,
@@ -57,6 +48,14 @@ std::vector<std::size_t> moving_blocks(std::size_t length, std::size_t block, st
     for (std::size_t k = 0; k < size && indices.size() < length; ++k) indices.push_back(first + k);
   }
   return indices;
+}
+
+double quantile(std::vector<double> values, double share) {
+  std::sort(values.begin(), values.end());
+  const double at = share * (static_cast<double>(values.size()) - 1.0);
+  const auto below = static_cast<std::size_t>(at);
+  const std::size_t above = std::min(below + 1, values.size() - 1);
+  return values[below] + (at - static_cast<double>(below)) * (values[above] - values[below]);
 }
 
 dem::LocalData resample(const dem::LocalData& run, std::uint64_t seed) {

@@ -5,8 +5,6 @@
 #include <vector>
 
 #include "calibration/bagnold_fit.h"
-#include "calibration/fittable_law.h"
-#include "calibration/material_fit.h"
 #include "dem/local_data.h"
 
 namespace grainlaw::calibration {
@@ -29,6 +27,9 @@ struct BootstrapBand {
 /// into a series of `length`, as many as it is long.
 std::vector<std::size_t> moving_blocks(std::size_t length, std::size_t block, std::uint64_t seed);
 
+/// The value below which a share of the values lies, linear between them.
+double quantile(std::vector<double> values, double share);
+
 /// The same run with its steady frames resampled in moving blocks as long as its independent ones;
 /// rows are averaged anew. Throws FitError for a run without frames.
 dem::LocalData resample(const dem::LocalData& run, std::uint64_t seed);
@@ -39,21 +40,5 @@ BootstrapBand friction_band(std::span<const dem::LocalData> runs,
                             const std::vector<double>& inertial_numbers,
                             const BootstrapOptions& options = {},
                             const RowSelection& selection = {});
-
-/// Bands of both laws of simple shear at the given states.
-struct MaterialBand {
-  BootstrapBand friction;
-  BootstrapBand volume_fraction;
-};
-
-/// Every replicate resamples the frames of all boxes in moving blocks and fits both laws anew, with
-/// the terms and weights of `fit`. Where points scatter about a law by more than their errors the
-/// band is wider by the same factor, as the errors of the coefficients are. Throws FitError where a
-/// fitted point has no run with frames.
-MaterialBand material_band(std::span<const dem::LocalData> runs,
-                           std::span<const StatePoint> points,
-                           const MaterialFit& fit,
-                           std::span<const State> states,
-                           const BootstrapOptions& options = {});
 
 }  // namespace grainlaw::calibration

@@ -3,6 +3,7 @@
 #include <span>
 #include <vector>
 
+#include "calibration/fittable_law.h"
 #include "calibration/material_fit.h"
 #include "dem/local_data.h"
 
@@ -30,6 +31,17 @@ ProfilePoints profile_points(const dem::LocalData& run);
 /// such run. Sentences on runs that give no point are appended to `left_out`.
 std::vector<StatePoint> state_points(std::span<const dem::LocalData> runs,
                                      std::vector<std::string>& left_out);
+
+/// What a row of fields says of a state: |I|, p*, Bo, |mu| and phi.
+struct MeasuredState {
+  State state;
+  double friction = 0.0;
+  double volume_fraction = 0.0;
+};
+MeasuredState measured_state(const dem::FieldRow& field, const dem::ChuteConditions& grains);
+
+/// Which row of the fields of a run is at z (y in boxes).
+std::size_t field_row_at(const dem::ProfileFrames& grid, double z);
 
 /// The run with the first part of its steady window only, 0 < share <= 1, averaged anew.
 /// Throws FitError where that leaves no frame.

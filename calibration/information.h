@@ -36,15 +36,16 @@ struct CostPoint {
   double dem_wall_seconds = 0.0;               ///< all runs until there, start-up included
   std::vector<dem::Estimate> friction;         ///< in the order of the summary of the fit
   std::vector<dem::Estimate> volume_fraction;  ///< likewise
-  double friction_scatter = 1.0;  ///< of the points about the law, in their errors; above 1 when
-                                  ///< the law, not the time, limits
+  double friction_scatter = 1.0;  ///< rms of the points about the law in their errors; well above
+                                  ///< 1 where the law, not the time, limits; NaN: not tested
   double fraction_scatter = 1.0;
   std::string failure;  ///< not empty: no fit was possible with so little, and why
 };
 
-/// Both laws with the terms of `fit` from 1/16, 1/8, 1/4, 1/2 and all of the averaging time.
+/// Both laws with the terms of `fit` from 1/16, 1/8, 1/4, 1/2 and all of the averaging time of the
+/// runs behind its points. Empty where no run has frames to average anew.
 std::vector<CostPoint> cost_of_coefficients(std::span<const dem::LocalData> runs,
-                                            const MaterialFit& fit,
-                                            const MaterialFitOptions& options = {});
+                                            std::span<const StatePoint> points,
+                                            const MaterialFit& fit);
 
 }  // namespace grainlaw::calibration

@@ -253,11 +253,25 @@ SolvedLaw solve_law(const FittableLaw& law,
   solved.minimum = minimise_reweighted(problem_at, start_of(law, active));
   solved.slots = fill(law, active, solved.minimum.values);
   solved.problem = problem_at(solved.minimum.values);
-  solved.kept = weights_at(law, data, solved.slots).kept;
+  Weights weights = weights_at(law, data, solved.slots);
+  solved.kept = std::move(weights.kept);
+  solved.errors = std::move(weights.errors);
   solved.uncertainty = uncertainty(solved.problem, solved.minimum);
   solved.scatter = excess_scatter(solved.minimum.chi_squared, solved.freedom());
   for (double& c : solved.uncertainty.covariance.values) c *= solved.scatter;
   return solved;
+}
+
+Slots<double> solve_weighted(const FittableLaw& law,
+                             const std::vector<LawDatum>& data,
+                             const std::vector<std::size_t>& active,
+                             const std::vector<double>& errors,
+                             const Slots<double>& start) {
+  std::vector<double> x;
+  for (const std::size_t slot : active) x.push_back(start[slot]);
+  const Minimum minimum = minimise(problem_with(law, data, active, x, errors));
+  require_converged(minimum, law.name);
+  return fill(law, active, minimum.values);
 }
 
 SelectedLaw select_terms(const FittableLaw& law,
@@ -295,13 +309,18 @@ std::vector<ModelScore> score_families(const std::vector<FittableLaw>& laws,
   return scores;
 }
 
-Matrix table_covariance(const FittableLaw& law, const SolvedLaw& solved) {
-  const int n = static_cast<int>(solved.active.size());
+std::vector<double> table_factors(const FittableLaw& law, const SolvedLaw& solved) {
   std::vector<double> factor;
   for (std::size_t k = 0; k < solved.active.size(); ++k) {
     const int power = law.slots[solved.active[k]].power;
     factor.push_back(power == 1 ? 1.0 : power * powered(solved.minimum.values[k], power - 1));
   }
+  return factor;
+}
+
+Matrix table_covariance(const FittableLaw& law, const SolvedLaw& solved) {
+  const int n = static_cast<int>(solved.active.size());
+  const std::vector<double> factor = table_factors(law, solved);
   Matrix result(n, n);
   for (int i = 0; i < n; ++i) {
     for (int j = 0; j < n; ++j) {

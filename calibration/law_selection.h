@@ -16,9 +16,10 @@ struct SolvedLaw {
   Slots<double> slots{};
   LeastSquaresProblem problem;  ///< with the weights of the minimum
   Minimum minimum;
-  Uncertainty uncertainty;   ///< of the numbers of the fit, enlarged by `scatter`
-  double scatter = 1.0;      ///< factor on the variances, see solve_law
-  std::vector<double> kept;  ///< weight each datum kept, 1 unless flagged and far off
+  Uncertainty uncertainty;     ///< of the numbers of the fit, enlarged by `scatter`
+  double scatter = 1.0;        ///< factor on the variances, see solve_law
+  std::vector<double> kept;    ///< weight each datum kept, 1 unless flagged and far off
+  std::vector<double> errors;  ///< of each datum as they weigh it, effective and enlarged by `kept`
 
   int unknown(std::size_t slot) const;  ///< its place among the active ones; -1: none
   int freedom() const { return static_cast<int>(minimum.residuals.size() - active.size()); }
@@ -34,6 +35,14 @@ struct SolvedLaw {
 SolvedLaw solve_law(const FittableLaw& law,
                     const std::vector<LawDatum>& data,
                     const std::vector<std::size_t>& active);
+
+/// The law at the minimum under given weights, 1/error^2, from a start close to it. Throws FitError
+/// where there is none.
+Slots<double> solve_weighted(const FittableLaw& law,
+                             const std::vector<LawDatum>& data,
+                             const std::vector<std::size_t>& active,
+                             const std::vector<double>& errors,
+                             const Slots<double>& start);
 
 /// A term that is not in the law, and why.
 struct DroppedTerm {
@@ -65,6 +74,9 @@ std::vector<ModelScore> score_families(const std::vector<FittableLaw>& laws,
 /// Coefficients as the table has them, with 95 % intervals (profile likelihood where a value is
 /// correlated or close to zero, the covariance elsewhere).
 FitSummary summarise(const FittableLaw& law, const SelectedLaw& selected);
+
+/// d(coefficient of the table) / d(number of the fit), in the order of `active`.
+std::vector<double> table_factors(const FittableLaw& law, const SolvedLaw& solved);
 
 /// Covariance of the coefficients of the table, in the order of `active`.
 Matrix table_covariance(const FittableLaw& law, const SolvedLaw& solved);

@@ -1,10 +1,12 @@
 #include "calibration/material_fit.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include "calibration/law_selection.h"
 #include "calibration/material_laws.h"
@@ -13,6 +15,18 @@
 
 namespace grainlaw::calibration {
 namespace {
+
+/// Families that the data cannot tell from the best one: AICc within 2 of it (Burnham and Anderson
+/// 2002, section 2.6).
+std::string rivals(const std::vector<ModelScore>& families, const ModelScore& best) {
+  constexpr double alike = 2.0;
+  std::string names;
+  for (const ModelScore& family : families) {
+    if (&family == &best || !(family.aicc < best.aicc + alike)) continue;
+    names += (names.empty() ? "" : "; ") + family.name;
+  }
+  return names.empty() ? names : " (not told apart from it, AICc within 2: " + names + ")";
+}
 
 /// The family with the lowest AICc, written down in `families` where there are data enough to ask.
 FrictionForm choose_family(const PointSelection& selection,
@@ -37,7 +51,7 @@ FrictionForm choose_family(const PointSelection& selection,
   });
   best->chosen = true;
   summary.notes.push_back("family of the law, lowest AICc of " + std::to_string(forms.size()) +
-                          ": " + best->name);
+                          ": " + best->name + rivals(families, *best));
   return forms[static_cast<std::size_t>(best - families.begin())];
 }
 
@@ -116,36 +130,30 @@ std::optional<continuum::Range> spread(const std::vector<LawDatum>& data, double
   return std::nullopt;
 }
 
+/// The coefficients of one law as the table has them.
 struct Part {
   std::vector<std::string> names;
+  std::vector<double> factor;  ///< d(coefficient of the table) / d(number of the fit)
   Matrix covariance;
 };
 
 Part part_of(const FittableLaw& law, const SolvedLaw& solved) {
   Part part;
   for (const std::size_t slot : solved.active) part.names.push_back(law.slots[slot].name);
+  part.factor = table_factors(law, solved);
   part.covariance = table_covariance(law, solved);
   return part;
 }
 
-/// Both laws have errors of their own; their data share the runs, which is not in the covariance.
-continuum::Covariance join(const Part& one, const Part& other) {
-  continuum::Covariance joint;
-  joint.names = one.names;
-  joint.names.insert(joint.names.end(), other.names.begin(), other.names.end());
-  const std::size_t n = joint.names.size();
-  joint.matrix.assign(n * n, 0.0);
-  std::size_t first = 0;
-  for (const Part* part : {&one, &other}) {
-    for (int i = 0; i < part->covariance.rows; ++i) {
-      for (int j = 0; j < part->covariance.columns; ++j) {
-        joint.matrix[(first + static_cast<std::size_t>(i)) * n + first +
-                     static_cast<std::size_t>(j)] = part->covariance(i, j);
-      }
+/// Row i of a matrix times a symmetric one.
+std::vector<double> row_times(const Matrix& matrix, std::size_t i, const Matrix& symmetric) {
+  std::vector<double> product(static_cast<std::size_t>(symmetric.rows), 0.0);
+  for (int k = 0; k < symmetric.rows; ++k) {
+    for (int l = 0; l < symmetric.columns; ++l) {
+      product[static_cast<std::size_t>(k)] += matrix(static_cast<int>(i), l) * symmetric(l, k);
     }
-    first += part->names.size();
   }
-  return joint;
+  return product;
 }
 
 /// One of the two laws, fitted.
@@ -203,7 +211,93 @@ LawFit fit_fraction_law(std::span<const StatePoint> points,
   return found;
 }
 
-void describe_table(const LawFit& friction,
+/// Covariance of the weighted residuals of one point in both laws: its errors of mu and phi are
+/// correlated, those of I, p* and Bo are the same.
+double shared_noise(const StatePoint& point,
+                    const LawFit& friction,
+                    std::size_t i,
+                    const LawFit& fraction,
+                    std::size_t j) {
+  const SolvedLaw& mu = friction.selected.solved;
+  const SolvedLaw& phi = fraction.selected.solved;
+  const LawDatum& a = friction.points.data[i];
+  const LawDatum& b = fraction.points.data[j];
+  double covariance = point.correlation * a.y_error * b.y_error;
+  const auto mu_slope = friction.law.by_state(mu.slots, a.state);
+  const auto phi_slope = fraction.law.by_state(phi.slots, b.state);
+  const std::array<double, 3> errors{
+      a.error.inertial_number, a.error.softness, a.error.bond_number};
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (errors[k] > 0.0) covariance += mu_slope[k] * phi_slope[k] * errors[k] * errors[k];
+  }
+  return covariance / (mu.errors[i] * phi.errors[j]);
+}
+
+/// Covariance of the coefficients of both laws, C_mu J_mu' S J_phi C_phi, S of the residuals of
+/// points that both were fitted to. In the numbers of the fits.
+Matrix cross_covariance(std::span<const StatePoint> points,
+                        const LawFit& friction,
+                        const LawFit& fraction) {
+  const SolvedLaw& mu = friction.selected.solved;
+  const SolvedLaw& phi = fraction.selected.solved;
+  const Matrix& C = mu.uncertainty.covariance;
+  const Matrix& D = phi.uncertainty.covariance;
+  Matrix result(C.rows, D.rows);
+  const double scale = 1.0 / std::sqrt(mu.scatter * phi.scatter);  // C and D have it each, squared
+  for (std::size_t i = 0; i < friction.points.used.size(); ++i) {
+    const auto& others = fraction.points.used;
+    const auto found = std::find(others.begin(), others.end(), friction.points.used[i]);
+    if (found == others.end()) continue;
+    const auto j = static_cast<std::size_t>(found - others.begin());
+    const double noise =
+        scale * shared_noise(points[friction.points.used[i]], friction, i, fraction, j);
+    const std::vector<double> left = row_times(mu.minimum.jacobian, i, C);
+    const std::vector<double> right = row_times(phi.minimum.jacobian, j, D);
+    for (int k = 0; k < C.rows; ++k) {
+      for (int l = 0; l < D.rows; ++l) {
+        result(k, l) +=
+            noise * left[static_cast<std::size_t>(k)] * right[static_cast<std::size_t>(l)];
+      }
+    }
+  }
+  return result;
+}
+
+/// Covariance of all coefficients that the table has.
+continuum::Covariance join(std::span<const StatePoint> points,
+                           const LawFit& friction,
+                           const LawFit& fraction,
+                           const continuum::RheologyTable& table) {
+  const Part mu = part_of(friction.law, friction.selected.solved);
+  const Part phi = part_of(fraction.law, fraction.selected.solved);
+  const Matrix cross = cross_covariance(points, friction, fraction);
+  std::vector<std::string> names = mu.names;
+  names.insert(names.end(), phi.names.begin(), phi.names.end());
+  const int split = mu.covariance.rows;
+  const auto entry = [&](int i, int j) {
+    if (i > j) std::swap(i, j);
+    if (j < split) return mu.covariance(i, j);
+    if (i >= split) return phi.covariance(i - split, j - split);
+    return mu.factor[static_cast<std::size_t>(i)] *
+           phi.factor[static_cast<std::size_t>(j - split)] * cross(i, j - split);
+  };
+  const std::vector<std::string> known = continuum::coefficient_names(table);
+  std::vector<int> kept;  // a term at its bound is not in the table
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (std::find(known.begin(), known.end(), names[i]) != known.end()) {
+      kept.push_back(static_cast<int>(i));
+    }
+  }
+  continuum::Covariance joint;
+  for (const int i : kept) {
+    joint.names.push_back(names[static_cast<std::size_t>(i)]);
+    for (const int j : kept) joint.matrix.push_back(entry(i, j));
+  }
+  return joint;
+}
+
+void describe_table(std::span<const StatePoint> points,
+                    const LawFit& friction,
                     const LawFit& fraction,
                     const MaterialFitOptions& options,
                     continuum::RheologyTable& table) {
@@ -211,7 +305,7 @@ void describe_table(const LawFit& friction,
   const SolvedLaw& mu = friction.selected.solved;
   const SolvedLaw& phi = fraction.selected.solved;
   if (mu.uncertainty.null_space.empty() && phi.uncertainty.null_space.empty()) {
-    table.covariance = join(part_of(friction.law, mu), part_of(fraction.law, phi));
+    table.covariance = join(points, friction, fraction, table);
   }
   const std::vector<LawDatum>& data = friction.points.data;
   table.range = {.inertial_number = spread(data, &State::inertial_number),
@@ -234,7 +328,7 @@ MaterialFit fit_material(std::span<const StatePoint> points, const MaterialFitOp
   const LawFit friction = fit_friction_law(points, options, fit, law);
   const LawFit fraction = fit_fraction_law(points, options, fit, law);
   fit.table.law = law;
-  describe_table(friction, fraction, options, fit.table);
+  describe_table(points, friction, fraction, options, fit.table);
   for (const std::size_t i : friction.points.used) {
     fit.table.provenance.data.push_back(label(points[i], i));
   }

@@ -22,6 +22,7 @@ struct StatePoint {
   dem::Estimate volume_fraction{};      ///< phi
   double correlation = 0.0;             ///< of the errors of mu and phi, which share their run
   std::string run{};                    ///< it was measured in; empty: one of its own
+  double place = 0.0;                   ///< of its row in that run [length]
   double wall_seconds = 0.0;            ///< that run cost; 0: not known
   std::string unfit{};                  ///< why no law is fitted to it; empty: it may be
 };

@@ -121,6 +121,14 @@ FittableLaw friction_law(const FrictionForm& form) {
   return law;
 }
 
+FrictionForm form_of(const continuum::MuPhi& law) {
+  FrictionForm form;
+  if (law.friction.exponent) form.inertial = InertialForm::power;
+  if (law.softness_friction) form.softness = law.softness_friction->form;
+  if (law.cohesion_stress) form.cohesion = CohesionForm::additive_stress;
+  return form;
+}
+
 std::vector<FrictionForm> friction_forms() {
   std::vector<FrictionForm> forms;
   for (const InertialForm inertial : {InertialForm::saturating, InertialForm::power}) {

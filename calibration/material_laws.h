@@ -30,6 +30,9 @@ inline constexpr std::size_t phi0 = 0, inertia = 1, softness = 2, p1 = 3, p4 = 6
 /// relatives).
 FittableLaw friction_law(const FrictionForm& form);
 
+/// The family a law belongs to. Terms it does not have say nothing of it.
+FrictionForm form_of(const continuum::MuPhi& law);
+
 /// Every family of the friction law: 2 x 2 x 2.
 std::vector<FrictionForm> friction_forms();
 

@@ -19,6 +19,7 @@ const dem::Estimate& measured(const StatePoint& point, Quantity quantity) {
 
 /// Why a point cannot be used; empty: it can.
 std::string defect(const StatePoint& point, Quantity quantity) {
+  if (!point.unfit.empty()) return point.unfit;
   const double I = point.inertial_number.value;
   const double p = point.softness.value;
   const double Bo = point.bond_number.value;
@@ -30,29 +31,46 @@ std::string defect(const StatePoint& point, Quantity quantity) {
   return "";
 }
 
+double error_of(const dem::Estimate& estimate) {
+  return std::isfinite(estimate.error) ? estimate.error : 0.0;
+}
+
+/// Beyond a bound by more than two standard errors: a run held at the bound itself is inside.
+bool below(const dem::Estimate& measured, double bound) {
+  return measured.value + 2.0 * error_of(measured) < bound;
+}
+bool above(const dem::Estimate& measured, double bound) {
+  return measured.value - 2.0 * error_of(measured) > bound;
+}
+
 /// Why a point lies outside the range of a law; empty: inside.
 std::string outside(const StatePoint& point, Quantity quantity, const FitRange& range) {
   std::ostringstream text;
-  const double I = point.inertial_number.value;
+  const dem::Estimate& I = point.inertial_number;
   const bool friction = quantity == Quantity::friction;
   const double softest = friction ? range.friction_softness : range.fraction_softness;
   const double largest_I =
       friction ? range.friction_inertial_number.upper : range.fraction_inertial_number;
   const double least_I = friction ? range.friction_inertial_number.lower : 0.0;
-  if (point.volume_fraction.value < range.least_volume_fraction) {
+  if (below(point.volume_fraction, range.least_volume_fraction)) {
     text << "phi = " << point.volume_fraction.value << " is below " << range.least_volume_fraction;
-  } else if (I < least_I) {
-    text << "I = " << I << " is below " << least_I;
-  } else if (I > largest_I) {
-    text << "I = " << I << " is above " << largest_I;
-  } else if (point.softness.value > softest) {
+  } else if (below(I, least_I)) {
+    text << "I = " << I.value << " is below " << least_I;
+  } else if (above(I, largest_I)) {
+    text << "I = " << I.value << " is above " << largest_I;
+  } else if (above(point.softness, softest)) {
     text << "p* = " << point.softness.value << " is above " << softest;
   }
   return text.str();
 }
 
-double error_of(const dem::Estimate& estimate) {
-  return std::isfinite(estimate.error) ? estimate.error : 0.0;
+LawDatum datum_of(const StatePoint& point, Quantity quantity, bool flagged) {
+  return {.state = {point.inertial_number.value, point.softness.value, point.bond_number.value},
+          .error = {error_of(point.inertial_number),
+                    error_of(point.softness),
+                    error_of(point.bond_number)},
+          .y = measured(point, quantity).value,
+          .flagged = flagged};
 }
 
 void set_errors(std::span<const StatePoint> points, Quantity quantity, PointSelection& selection) {
@@ -151,15 +169,23 @@ PointSelection select_points(std::span<const StatePoint> points,
       continue;
     }
     selection.used.push_back(i);
-    selection.data.push_back({.state = state,
-                              .error = {error_of(point.inertial_number),
-                                        error_of(point.softness),
-                                        error_of(point.bond_number)},
-                              .y = y,
-                              .flagged = !beyond.empty()});
+    selection.data.push_back(datum_of(point, quantity, !beyond.empty()));
   }
   set_errors(points, quantity, selection);
   require_spread(selection, quantity);
+  return selection;
+}
+
+PointSelection select_fitted(std::span<const StatePoint> points,
+                             Quantity quantity,
+                             const std::vector<double>& weights) {
+  PointSelection selection;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (!(weights[i] > 0.0)) continue;
+    selection.used.push_back(i);
+    selection.data.push_back(datum_of(points[i], quantity, weights[i] < 1.0));
+  }
+  set_errors(points, quantity, selection);
   return selection;
 }
 

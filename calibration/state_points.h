@@ -25,6 +25,11 @@ PointSelection select_points(std::span<const StatePoint> points,
                              Quantity quantity,
                              const FitRange& range);
 
+/// The points that a fit used, by the weights it gave them; those it weighed less are flagged.
+PointSelection select_fitted(std::span<const StatePoint> points,
+                             Quantity quantity,
+                             const std::vector<double>& weights);
+
 /// How many values of each variable the data have.
 struct Levels {
   int inertial_number = 0;

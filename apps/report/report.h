@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "calibration/bagnold_fit.h"
-#include "calibration/bootstrap.h"
+#include "calibration/material_band.h"
 #include "calibration/comparison.h"
 #include "calibration/contact_friction_fit.h"
 #include "calibration/information.h"
