@@ -80,6 +80,21 @@ set key at screen {3:.3f},0.99 left top Left reverse horizontal samplen 1.6 widt
                      1.0 - 46.0 / size.height);
 }
 
+std::string log_axis(char axis, double lower, double upper) {
+  const double span = upper / lower;
+  const std::vector<double> digits = span < 6.0    ? std::vector{1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0}
+                                     : span < 60.0 ? std::vector{1.0, 2.0, 5.0}
+                                                   : std::vector{1.0};
+  std::string tics;
+  for (double decade = 1e-6; decade < 1e7; decade *= 10.0) {
+    for (const double digit : digits) {
+      tics += fmt::format("{}{:.3g}", tics.empty() ? "" : ", ", digit * decade);
+    }
+  }
+  return fmt::format(
+      "set {0}range [{1:.4g}:{2:.4g}]\nset {0}tics ({3})\n", axis, lower, upper, tics);
+}
+
 std::string point_style(std::size_t k) {
   const SeriesStyle& style = series[k % series.size()];
   return fmt::format("pt {} ps 0.5 lc rgb '{}'", style.point, style.colour);

@@ -31,6 +31,8 @@ FigureGroup law_figures(const Report& report);
 FigureGroup profile_figures(const RunComparison& run, std::size_t number);
 FigureGroup start_figures(const RunComparison& run, std::size_t number);
 FigureGroup time_figures(const Report& report);
+std::vector<FigureGroup> material_figures(const MaterialReport& material);
+FigureGroup contact_friction_figures(const ContactFrictionReport& report);
 
 /// "24.8°, predicted (interpolation)".
 std::string run_title(const RunComparison& run);
@@ -62,6 +64,10 @@ inline constexpr std::string_view band = "#808890";
 /// Point shape, dash and colour of the k-th series of a figure, as gnuplot options.
 std::string point_style(std::size_t k);
 std::string line_style(std::size_t k);
+
+/// A logarithmic axis with labels close enough for its span; left to itself gnuplot labels powers
+/// of ten only, of which a short axis holds one or none.
+std::string log_axis(char axis, double lower, double upper);
 
 /// Units in which everything is plotted: d, sqrt(g d), sqrt(d/g) of the run.
 struct Scales {

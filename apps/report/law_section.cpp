@@ -23,28 +23,6 @@ bool has_remark(const FittedCoefficient& coefficient) {
   return !remark(coefficient).empty();
 }
 
-std::vector<Html> value_cells(const dem::Estimate& estimate) {
-  // Value and error in columns of their own, both cut at the second digit of the error.
-  const std::string both = with_error(estimate);
-  const std::string separator = " ± ";
-  const std::size_t at = both.find(separator);
-  if (at == std::string::npos || both.front() == '(') return {text(both), text("–")};
-  return {text(both.substr(0, at)), text(both.substr(at + separator.size()))};
-}
-
-Html fit_caption(const std::string& law, const FitSummary& fit) {
-  const double freedom = fit.data - static_cast<double>(fit.coefficients.size());
-  std::string words = fmt::format("{}: {} data, χ² = {} for {:.0f} {} of freedom, {}.",
-                                  law,
-                                  fit.data,
-                                  significant(fit.chi_squared, 3),
-                                  freedom,
-                                  freedom == 1.0 ? "degree" : "degrees",
-                                  fit.converged ? "converged" : "NOT converged");
-  if (!fit.converged) words += " " + fit.termination;
-  return text(words);
-}
-
 Table fit_table(const std::string& law, const FitSummary& fit, const std::string& units) {
   Table result{.caption = fit_caption(law, fit),
                .head = {"Coefficient"_html, "Unit"_html, "Value"_html, "Standard error"_html},
@@ -120,15 +98,6 @@ Html sentences(const std::vector<std::string>& lines) {
   return items.empty() ? Html{} : list(items);
 }
 
-Html remarks(const FitSummary& fit) {
-  Html result = sentences(fit.not_identifiable) + sentences(fit.notes);
-  if (!fit.left_out.empty()) {
-    result += R"(<div class="aside">Left out of the fit:)"_html + sentences(fit.left_out) +
-              "</div>\n"_html;
-  }
-  return result;
-}
-
 /// What was left out stands with the fits; here only what a reader must know of the points.
 Html point_remarks(const std::vector<calibration::FlowPoint>& points) {
   std::vector<std::string> lines;
@@ -153,14 +122,44 @@ Html base_sentence(const continuum::RheologyTable& given) {
 
 }  // namespace
 
+std::vector<Html> value_cells(const dem::Estimate& estimate) {
+  const std::string both = with_error(estimate);
+  const std::string separator = " ± ";
+  const std::size_t at = both.find(separator);
+  if (at == std::string::npos || both.front() == '(') return {text(both), text("–")};
+  return {text(both.substr(0, at)), text(both.substr(at + separator.size()))};
+}
+
+Html fit_caption(const std::string& law, const FitSummary& fit) {
+  const double freedom = fit.data - static_cast<double>(fit.coefficients.size());
+  std::string words = fmt::format("{}: {} data, χ² = {} for {:.0f} {} of freedom, {}.",
+                                  law,
+                                  fit.data,
+                                  significant(fit.chi_squared, 3),
+                                  freedom,
+                                  freedom == 1.0 ? "degree" : "degrees",
+                                  fit.converged ? "converged" : "NOT converged");
+  if (!fit.converged) words += " " + fit.termination;
+  return text(words);
+}
+
+Html fit_remarks(const FitSummary& fit) {
+  Html result = sentences(fit.not_identifiable) + sentences(fit.notes);
+  if (!fit.left_out.empty()) {
+    result += R"(<div class="aside">Left out of the fit:)"_html + sentences(fit.left_out) +
+              "</div>\n"_html;
+  }
+  return result;
+}
+
 Html law_section(const Report& report, const FigureGroup& group, const Pictures& pictures) {
   Html content;
   if (report.fit) {
     const calibration::MuPhiFit& fit = *report.fit;
     content += table(fit_table("Friction μ(I)", fit.friction, report.table.units));
-    content += remarks(fit.friction);
+    content += fit_remarks(fit.friction);
     content += table(fit_table("Volume fraction φ(I)", fit.volume_fraction, report.table.units));
-    content += remarks(fit.volume_fraction);
+    content += fit_remarks(fit.volume_fraction);
     content += table(point_table(fit.points));
     content += point_remarks(fit.points);
   } else {
@@ -179,6 +178,16 @@ Html coefficient_symbol(const std::string& name) {
       {"mu0", "<i>μ</i><sub>0</sub>"_html},
       {"beta", "<i>β</i>"_html},
       {"kappa", "<i>κ</i>"_html},
+      {"exponent", "<i>n</i> of <i>I<sup>n</sup></i>"_html},
+      {"mu_inf", "<i>μ</i><sub>∞</sub>"_html},
+      {"I_mu", "<i>I<sub>μ</sub></i>"_html},
+      {"cohesion_alpha", "<i>α</i> of <i>f<sub>B</sub></i>"_html},
+      {"cohesion_beta", "<i>β</i> of <i>f<sub>B</sub></i>"_html},
+      {"cohesion_factor", "<i>c</i><sub>0</sub> <i>d</i>²/<i>f<sub>a</sub></i>"_html},
+      {"p1", "<i>p</i><sub>1</sub>"_html},
+      {"p2", "<i>p</i><sub>2</sub>"_html},
+      {"p3", "<i>p</i><sub>3</sub>"_html},
+      {"p4", "<i>p</i><sub>4</sub>"_html},
       {"phi0", "<i>φ</i><sub>0</sub>"_html},
       {"I_phi", "<i>I<sub>φ</sub></i>"_html},
       {"p_mu", "<i>p<sub>μ</sub></i>*"_html},

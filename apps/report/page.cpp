@@ -24,22 +24,52 @@ Html made_by(const Report& report) {
   return R"(<p class="made">Made by <code>)"_html + text(report.command) + "</code></p>\n"_html;
 }
 
-Html contents() {
-  const std::vector<std::pair<std::string_view, std::string_view>> parts = {
-      {"summary", "Summary"},
-      {"law", "Law"},
-      {"predictions", "Steady profiles"},
-      {"start", "Start-up"},
-      {"bagnold", "Bagnold law"},
-      {"certificate", "Well-posedness"},
-      {"time", "Error against run time"},
-      {"cost", "Run time"},
-      {"health", "Health"},
-      {"answers", "Answers"},
-      {"reading", "How to read this"}};
+/// One part of the page and its place in the list of contents.
+struct Part {
+  std::string_view id, title;
+  Html content;
+};
+
+/// What follows from runs of chutes is left out of a report of other things.
+std::vector<Part> parts_of(const Report& report, const Figures& figures, const Pictures& pictures) {
+  const bool other = report.material || report.contact_friction;
+  const bool chutes = !other || !report.runs.empty();
+  std::vector<Part> parts;
+  const auto add = [&](bool there, std::string_view id, std::string_view title, auto content) {
+    if (there) parts.push_back({id, title, content()});
+  };
+  add(!other || chutes, "summary", "Summary", [&] { return summary_section(report); });
+  add(!other || report.fit, "law", "Law", [&] {
+    return law_section(report, figures.law, pictures);
+  });
+  add(report.material.has_value(), "material", "Material laws", [&] {
+    return material_section(*report.material, figures.material, pictures);
+  });
+  add(report.contact_friction.has_value(), "contact-friction", "Contact friction", [&] {
+    return contact_friction_section(*report.contact_friction, figures.contact_friction, pictures);
+  });
+  add(chutes, "predictions", "Steady profiles", [&] {
+    return prediction_section(report, figures.profiles, pictures);
+  });
+  add(chutes, "start", "Start-up", [&] { return start_section(report, figures.starts, pictures); });
+  add(chutes, "bagnold", "Bagnold law", [&] { return bagnold_section(report); });
+  add(report.table.has_friction, "certificate", "Well-posedness", [&] {
+    return certificate_section(report);
+  });
+  add(chutes, "time", "Error against run time", [&] {
+    return time_section(report, figures.time, pictures);
+  });
+  add(chutes || !report.costs.empty(), "cost", "Run time", [&] { return cost_section(report); });
+  add(chutes, "health", "Health", [&] { return health_section(report); });
+  add(chutes, "answers", "Answers", [&] { return answer_section(report); });
+  add(true, "reading", "How to read this", [] { return reading_section(); });
+  return parts;
+}
+
+Html contents(const std::vector<Part>& parts) {
   Html result = "<nav>"_html;
-  for (const auto& [id, title] : parts) {
-    result += Html{fmt::format("<a href=\"#{}\">{}</a> ", id, title)};
+  for (const Part& part : parts) {
+    result += Html{fmt::format("<a href=\"#{}\">{}</a> ", part.id, part.title)};
   }
   return result + "</nav>\n"_html;
 }
@@ -75,8 +105,13 @@ Html show(const FigureGroup& group, const Pictures& pictures) {
 }
 
 Figures figures(const Report& report) {
-  Figures result{
-      .law = law_figures(report), .profiles = {}, .starts = {}, .time = time_figures(report)};
+  Figures result;
+  result.law = law_figures(report);
+  result.time = time_figures(report);
+  if (report.material) result.material = material_figures(*report.material);
+  if (report.contact_friction) {
+    result.contact_friction = contact_friction_figures(*report.contact_friction);
+  }
   for (std::size_t k = 0; k < report.runs.size(); ++k) {
     result.profiles.push_back(profile_figures(report.runs[k], k + 1));
     result.starts.push_back(start_figures(report.runs[k], k + 1));
@@ -85,14 +120,10 @@ Figures figures(const Report& report) {
 }
 
 std::string page(const Report& report, const Figures& figures, const Pictures& pictures) {
-  const Html body = "<h1>"_html + text(report.title) + "</h1>\n"_html + made_by(report) +
-                    contents() + missing_pictures(pictures) + summary_section(report) +
-                    law_section(report, figures.law, pictures) +
-                    prediction_section(report, figures.profiles, pictures) +
-                    start_section(report, figures.starts, pictures) + bagnold_section(report) +
-                    certificate_section(report) + time_section(report, figures.time, pictures) +
-                    cost_section(report) + health_section(report) + answer_section(report) +
-                    reading_section();
+  const std::vector<Part> parts = parts_of(report, figures, pictures);
+  Html body = "<h1>"_html + text(report.title) + "</h1>\n"_html + made_by(report) +
+              contents(parts) + missing_pictures(pictures);
+  for (const Part& part : parts) body += part.content;
   return "<!DOCTYPE html>\n<html lang=\"en\">\n" + head(report).markup + "<body>\n" + body.markup +
          "</body>\n</html>\n";
 }

@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "calibration/bagnold_fit.h"
-#include "calibration/material_band.h"
 #include "calibration/comparison.h"
 #include "calibration/contact_friction_fit.h"
 #include "calibration/information.h"
+#include "calibration/material_band.h"
 #include "calibration/mu_phi_fit.h"
 #include "continuum/chute_1d.h"
 #include "dem/local_data.h"

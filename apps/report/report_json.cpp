@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/report/law_curve.h"
+#include "apps/report/material_json.h"
 #include "continuum/well_posedness.h"
 
 namespace grainlaw::report {
@@ -304,16 +305,20 @@ json to_json(const calibration::MuPhiFit& fit) {
 }  // namespace
 
 std::string report_json(const Report& report) {
-  const json document = {{"title", report.title},
-                         {"command", report.command},
-                         {"machine", report.machine},
-                         {"warnings", report.warnings},
-                         {"table", to_json(report.table)},
-                         {"certificate", to_json(continuum::well_posedness_map(report.table))},
-                         {"fit", to_json(report.fit)},
-                         {"runs", to_json(report.runs)},
-                         {"error_against_time", to_json(report.error_against_time)},
-                         {"costs", to_json(report.costs)}};
+  json document = {{"title", report.title},
+                   {"command", report.command},
+                   {"machine", report.machine},
+                   {"warnings", report.warnings},
+                   {"table", to_json(report.table)},
+                   {"certificate", to_json(continuum::well_posedness_map(report.table))},
+                   {"fit", to_json(report.fit)},
+                   {"runs", to_json(report.runs)},
+                   {"error_against_time", to_json(report.error_against_time)},
+                   {"costs", to_json(report.costs)}};
+  if (report.material) document["material"] = material_json(*report.material);
+  if (report.contact_friction) {
+    document["contact_friction"] = contact_friction_json(*report.contact_friction);
+  }
   // Names come from files: bytes that are no UTF-8 are replaced rather than refused.
   return document.dump(1, ' ', false, json::error_handler_t::replace) + "\n";
 }

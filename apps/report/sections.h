@@ -16,6 +16,8 @@ struct Figures {
   std::vector<FigureGroup> profiles;  ///< per run
   std::vector<FigureGroup> starts;    ///< per run
   FigureGroup time;
+  std::vector<FigureGroup> material;
+  FigureGroup contact_friction;
 };
 Figures figures(const Report& report);
 
@@ -39,6 +41,12 @@ Html start_section(const Report& report,
                    const Pictures& pictures);
 Html bagnold_section(const Report& report);
 Html certificate_section(const Report& report);
+Html material_section(const MaterialReport& material,
+                      const std::vector<FigureGroup>& groups,
+                      const Pictures& pictures);
+Html contact_friction_section(const ContactFrictionReport& report,
+                              const FigureGroup& group,
+                              const Pictures& pictures);
 Html time_section(const Report& report, const FigureGroup& group, const Pictures& pictures);
 Html cost_section(const Report& report);
 Html health_section(const Report& report);
@@ -49,6 +57,11 @@ Html reading_section();
 std::string page(const Report& report, const Figures& figures, const Pictures& pictures);
 
 // Shared words.
+Html fit_caption(const std::string& law, const calibration::FitSummary& fit);
+/// Notes of a fit and what was left out of it.
+Html fit_remarks(const calibration::FitSummary& fit);
+/// Value and error in columns of their own, both cut at the second digit of the error.
+std::vector<Html> value_cells(const dem::Estimate& estimate);
 Html coefficient_symbol(const std::string& name);
 std::string coefficient_unit(const std::string& name, const std::string& units);
 /// Name of a run and its tilt, as the first cell of a table row.

@@ -72,23 +72,6 @@ std::string guide(const Csv& csv, std::size_t x, std::size_t first_column, std::
   return {};
 }
 
-/// A logarithmic axis with labels close enough for its span; left to itself gnuplot labels powers
-/// of ten only, of which a short axis holds one or none.
-std::string log_axis(char axis, double lower, double upper) {
-  const double span = upper / lower;
-  const std::vector<double> digits = span < 6.0    ? std::vector{1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0}
-                                     : span < 60.0 ? std::vector{1.0, 2.0, 5.0}
-                                                   : std::vector{1.0};
-  std::string tics;
-  for (double decade = 1e-6; decade < 1e7; decade *= 10.0) {
-    for (const double digit : digits) {
-      tics += fmt::format("{}{:.3g}", tics.empty() ? "" : ", ", digit * decade);
-    }
-  }
-  return fmt::format(
-      "set {0}range [{1:.4g}:{2:.4g}]\nset {0}tics ({3})\n", axis, lower, upper, tics);
-}
-
 /// Axis over the columns first, first + step, ... below end, with a margin for the marks.
 std::string value_axis(const Csv& csv, std::size_t first, std::size_t step, std::size_t end) {
   double lowest = nan;

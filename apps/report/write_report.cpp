@@ -40,6 +40,8 @@ std::vector<const FigureGroup*> all_groups(const Figures& figures) {
   for (const FigureGroup& group : figures.profiles) groups.push_back(&group);
   for (const FigureGroup& group : figures.starts) groups.push_back(&group);
   groups.push_back(&figures.time);
+  for (const FigureGroup& group : figures.material) groups.push_back(&group);
+  groups.push_back(&figures.contact_friction);
   return groups;
 }
 
