@@ -33,6 +33,7 @@ json to_json(const dem::RunSummary&);
 json to_json(const continuum::CertifiedConfinement&);
 json to_json(const RunComparison&);
 json to_json(const TimeErrorPoint&);
+json to_json(const SeedScatter&);
 json to_json(const StageCost&);
 json to_json(const Coefficient&);
 json to_json(const continuum::Covariance&);
@@ -302,6 +303,15 @@ json to_json(const calibration::MuPhiFit& fit) {
           {"points", to_json(fit.points)}};
 }
 
+json to_json(const SeedScatter& one) {
+  return {{"condition", one.condition},
+          {"quantity", one.quantity},
+          {"seeds", one.seeds},
+          {"mean", to_json(one.mean)},
+          {"scatter", one.scatter},
+          {"expected_scatter", one.expected_scatter()}};
+}
+
 }  // namespace
 
 std::string report_json(const Report& report) {
@@ -315,6 +325,7 @@ std::string report_json(const Report& report) {
                    {"runs", to_json(report.runs)},
                    {"error_against_time", to_json(report.error_against_time)},
                    {"costs", to_json(report.costs)}};
+  if (!report.seeds.empty()) document["seeds"] = to_json(report.seeds);
   if (report.material) document["material"] = material_json(*report.material);
   if (report.contact_friction) {
     document["contact_friction"] = contact_friction_json(*report.contact_friction);
