@@ -159,8 +159,10 @@ CampaignData gather(const io::Campaign& campaign, const std::vector<std::string>
     }
     all.costs.push_back({"DEM " + record.data.name, record.data.summary.wall_seconds, 0.0});
     sort_in(all, record.data, *run, std::move(digest));
+    all.runs.back().place = static_cast<std::size_t>(run - planned.data());
     if (!record.imported_from.empty()) all.imported.push_back(std::move(record));
   }
+  std::ranges::stable_sort(all.runs, {}, &MeasuredRun::place);
   const std::vector<std::string> unsound = failed_checks(all.imported);
   all.warnings.insert(all.warnings.end(), unsound.begin(), unsound.end());
   return all;

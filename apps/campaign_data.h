@@ -16,6 +16,7 @@ struct MeasuredRun {
   std::string condition;  ///< the same for runs that differ in their seed only
   bool fitted = false;    ///< the law is fitted to it; a chute that is not steady never is
   std::string digest;     ///< of its file
+  std::size_t place = 0;  ///< in the plan: the order of files does not matter to a fit
 };
 
 /// What the runs of a campaign gave.
