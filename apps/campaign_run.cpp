@@ -1,201 +1,270 @@
 #include "apps/campaign_run.h"
 
 #include <fmt/format.h>
+#include <poll.h>
 
 #include <algorithm>
-#include <atomic>
-#include <ctime>
-#include <exception>
-#include <mutex>
-#include <set>
-#include <sstream>
-#include <thread>
+#include <cstring>
+#include <list>
+#include <new>
 
+#include "apps/campaign_progress.h"
 #include "apps/checkpointed_run.h"
+#include "apps/child_process.h"
+#include "apps/exit_code.h"
 #include "apps/io/local_data_hdf5.h"
 #include "apps/io/safe_write.h"
 #include "apps/program.h"
 #include "apps/scene_run.h"
+#include "dem/flow_setup.h"
 
 namespace grainlaw {
 namespace {
 
-double thread_cpu_seconds() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+namespace fs = std::filesystem;
+
+/// First letter of the messages of a child.
+constexpr char progress_message = 'p';
+constexpr char note_message = 'n';
+constexpr char failure_message = 'f';
+
+/// Data of a run that was stopped look like those of one that was not.
+bool complete(const dem::LocalData& data, const dem::Scene& scene) {
+  const auto& frames = data.frames.frames;
+  if (frames.empty()) return false;
+  return frames.back().end >= scene.measurement.time_limit ||
+         dem::assess(frames, dem::steady_criteria(scene)).certain;
 }
 
-/// Share of a run that is done, 0 to 1.
-double share_done(const dem::Progress& now) {
-  if (now.settling || now.expected_end <= 0.0) return 0.0;
-  return std::clamp(now.time / now.expected_end, 0.0, 1.0);
+/// The file, out of the way under its own name in another folder.
+void move_to(const fs::path& folder, const fs::path& file) {
+  std::error_code error;
+  if (!fs::exists(file, error)) return;
+  fs::create_directories(folder, error);
+  fs::rename(file, folder / file.filename(), error);
+  if (error) {
+    throw io::FileError(
+        fmt::format("cannot move {} to {}: {}", file.string(), folder.string(), error.message()));
+  }
 }
 
-/// The names of the runs that are finished, in a file that is there only while the campaign is not:
-/// one that was interrupted goes on where it was. May be used from several threads.
-class CampaignLog {
- public:
-  explicit CampaignLog(const std::filesystem::path& directory) : path_(directory / "unfinished") {
-    interrupted_ = std::filesystem::exists(path_);
-    if (!interrupted_) io::safe_write(path_, "");
-    std::istringstream lines(io::read_file(path_));
-    for (std::string name; std::getline(lines, name);) finished_.insert(name);
-  }
-
-  bool interrupted() const { return interrupted_; }
-  bool finished(const std::string& name) {
-    const std::lock_guard lock(mutex_);
-    return finished_.contains(name);
-  }
-  void add(const std::string& name) {
-    const std::lock_guard lock(mutex_);
-    finished_.insert(name);
-    std::string text;
-    for (const std::string& one : finished_) text += one + '\n';
-    io::safe_write(path_, text);
-  }
-  void remove() { std::filesystem::remove(path_); }
-
- private:
-  std::mutex mutex_;
-  std::filesystem::path path_;
-  std::set<std::string> finished_;
-  bool interrupted_ = false;
-};
-
-/// Progress of all runs together, in one line.
-class ProgressBoard {
- public:
-  ProgressBoard(std::size_t runs, int threads, ProgressLine& line)
-      : share_(runs, 0.0), seconds_(runs, 0.0), left_(runs, 0.0), threads_(threads), line_(line) {}
-
-  void update(std::size_t run, const dem::Progress& now, const Pace& pace) {
-    const std::lock_guard lock(mutex_);
-    share_[run] = share_done(now);
-    left_[run] = pace.seconds_left();
-    seconds_[run] = now.wall_seconds + left_[run];
-    line_.show(text());
-  }
-  void note(const std::string& text) { line_.warn(text); }
-  void finish(std::size_t run, const std::string& outcome) {
-    const std::lock_guard lock(mutex_);
-    share_[run] = 1.0;
-    left_[run] = 0.0;
-    line_.report(outcome);
-  }
-
- private:
-  /// Runs that have not begun are expected to take as long as those that have.
-  double seconds_left_for_all() const {
-    double known = 0.0;
-    int begun = 0;
-    for (const double seconds : seconds_) {
-      known += seconds;
-      if (seconds > 0.0) ++begun;
-    }
-    const double typical = begun > 0 ? known / begun : 0.0;
-    double left = 0.0;
-    for (std::size_t k = 0; k < share_.size(); ++k) {
-      left += share_[k] == 0.0 ? typical : left_[k];
-    }
-    return left / std::min<double>(threads_, static_cast<double>(share_.size()));
-  }
-
-  std::string text() const {
-    const auto done = std::count(share_.begin(), share_.end(), 1.0);
-    std::string out = fmt::format("DEM: {} of {} runs done", done, share_.size());
-    for (std::size_t k = 0; k < share_.size(); ++k) {
-      if (share_[k] > 0.0 && share_[k] < 1.0) {
-        out += fmt::format(", run {} {:.0f} %", k + 1, 100.0 * share_[k]);
-      }
-    }
-    return out + fmt::format(", about {} left", duration_text(seconds_left_for_all()));
-  }
-
-  std::mutex mutex_;
-  std::vector<double> share_;
-  std::vector<double> seconds_;  ///< expected wall time of each run
-  std::vector<double> left_;     ///< of it
-  int threads_;
-  ProgressLine& line_;
-};
-
-/// The data of a run that was finished before the campaign was interrupted, when they are of this
-/// scene and this program.
+/// The data of this very run, where they are complete. What another scene or version made is moved
+/// aside; a broken file is left to be replaced.
 std::optional<dem::LocalData> finished_before(const io::SceneFile& file,
-                                              const std::filesystem::path& output) {
+                                              const fs::path& output,
+                                              ProgressBoard& board) {
+  if (!fs::exists(output)) return std::nullopt;
   try {
     io::RunRecord record = io::read_run_record(output);
-    if (record.scene_text == file.text && record.version == GRAINLAW_VERSION) return record.data;
-  } catch (const io::ReadError&) {  // run it again
+    if (record.scene_text == file.text && record.version == GRAINLAW_VERSION) {
+      if (!complete(record.data, file.scene)) return std::nullopt;
+      return std::move(record.data);
+    }
+  } catch (const io::ReadError& error) {
+    board.note(fmt::format("{}; the run is made anew", error.what()));
+    return std::nullopt;
   }
+  const fs::path aside = output.parent_path() / "replaced";
+  move_to(aside, output);
+  board.note(fmt::format("{} is of another scene text or version and was moved to {}",
+                         output.string(),
+                         aside.string()));
   return std::nullopt;
 }
 
-CampaignRun run_one(const io::SceneFile& file,
-                    const std::filesystem::path& output,
-                    CampaignLog& log,
-                    const RunListener& listener) {
-  CampaignRun result;
-  result.name = file.scene.name;
-  if (log.finished(result.name)) result.data = finished_before(file, output);
-  if (result.data) return result;
-  const double start = thread_cpu_seconds();
-  try {
-    const Start from = log.interrupted() ? Start::resume_if_possible : Start::anew;
-    SceneRun run = run_scene(file, output, {.start = from}, listener);
-    if (!run.stopped) log.add(result.name);
-    result.data = std::move(run.data);
-  } catch (const dem::RunError& error) {
-    result.failure = error.what();
-  } catch (const dem::SceneError& error) {
-    result.failure = error.what();
+/// A finished run: what an earlier try left as failed is no longer true.
+void forget_failure(const fs::path& directory, const std::string& name) {
+  for (const char* ending : {".txt", ".toml", ".h5", ".h5.checkpoint", ".h5.checkpoint.previous"}) {
+    std::error_code ignored;
+    fs::remove(directory / "failed" / (name + ending), ignored);
   }
-  result.cpu_seconds = thread_cpu_seconds() - start;
-  return result;
 }
+
+void set_failed_aside(const fs::path& directory,
+                      const io::SceneFile& file,
+                      const std::string& why) {
+  const fs::path failed = directory / "failed";
+  const std::string output = data_path(directory, file.scene.name).string();
+  for (const char* ending : {"", ".checkpoint", ".checkpoint.previous"}) {
+    move_to(failed, output + ending);
+  }
+  io::remove_temporaries(output);
+  std::error_code ignored;
+  fs::remove(output + ".lock", ignored);  // a run that crashed leaves it
+  fs::create_directories(failed);
+  io::safe_write(scene_path(failed, file.scene.name), file.text);
+  io::safe_write(failed / (file.scene.name + ".txt"), why + "\n");
+}
+
+/// The life of a child: one scene. What is wrong goes to the parent as a message.
+int run_in_child(const io::SceneFile& file,
+                 const fs::path& output,
+                 const ChildProcess::Send& send) {
+  const RunListener listener{.progress =
+                                 [&](const dem::Progress& now, const Pace& pace) {
+                                   send(progress_message + run_progress(now, pace).text());
+                                 },
+                             .note = [&](const std::string& text) { send(note_message + text); }};
+  ExitCode code = ExitCode::no_answer;
+  std::string failure;
+  try {
+    const SceneRun run = run_scene(file, output, {.start = Start::resume_if_possible}, listener);
+    return static_cast<int>(run.stopped ? ExitCode::stopped : ExitCode::answered);
+  } catch (const io::FileError& error) {
+    code = ExitCode::resource;
+    failure = error.what();
+  } catch (const std::bad_alloc&) {  // its own: others may be smaller
+    failure = "out of memory";
+  } catch (const std::exception& error) {
+    failure = error.what();
+  }
+  send(failure_message + failure);
+  return static_cast<int>(code);
+}
+
+/// A run that is being made.
+struct RunningScene {
+  std::size_t index;
+  std::string failure;  ///< as the child tells it
+  ChildProcess child;
+
+  RunningScene(std::size_t which, const io::SceneFile& file, const fs::path& output)
+      : index(which),
+        child([&](const ChildProcess::Send& send) { return run_in_child(file, output, send); }) {}
+};
+
+std::string reason(const ChildProcess::Ending& ending, const std::string& told) {
+  if (ending.signal != 0) {
+    return fmt::format(
+        "its process was ended by signal {} ({})", ending.signal, ::strsignal(ending.signal));
+  }
+  return told.empty() ? fmt::format("its process ended with code {}", ending.code) : told;
+}
+
+/// All runs of a campaign, some at a time.
+class Runs {
+ public:
+  Runs(const std::vector<io::SceneFile>& scenes,
+       const fs::path& directory,
+       int processes,
+       ProgressBoard& board)
+      : scenes_(scenes),
+        directory_(directory),
+        processes_(static_cast<std::size_t>(processes)),
+        board_(board) {
+    for (const io::SceneFile& file : scenes) {
+      results_.push_back(
+          {.name = file.scene.name, .data = {}, .failure = "not started", .cpu_seconds = 0.0});
+    }
+  }
+
+  std::vector<CampaignRun> all() {
+    while (true) {
+      if (stopping() && !std::exchange(asked_to_stop_, true)) ask_to_stop();
+      while (!stopping() && running_.size() < processes_ && next_ < scenes_.size()) start();
+      if (running_.empty()) break;
+      wait_for_messages();
+    }
+    if (!resource_failure_.empty()) throw io::FileError(resource_failure_);
+    return std::move(results_);
+  }
+
+ private:
+  bool stopping() const { return stop_requested() || !resource_failure_.empty(); }
+
+  void ask_to_stop() {
+    if (!running_.empty()) board_.note("stopping: runs write their checkpoints");
+    for (const RunningScene& run : running_) run.child.ask_to_stop();
+  }
+
+  void start() {
+    const std::size_t k = next_++;
+    const fs::path output = data_path(directory_, results_[k].name);
+    results_[k].data = finished_before(scenes_[k], output, board_);
+    if (results_[k].data) {
+      results_[k].kept = true;
+      board_.finish(k, "");
+      return;
+    }
+    running_.emplace_back(k, scenes_[k], output);
+  }
+
+  void wait_for_messages() {
+    std::vector<pollfd> pipes;
+    for (const RunningScene& run : running_) pipes.push_back({run.child.descriptor(), POLLIN, 0});
+    constexpr int patience = 500;  // [ms], to see that --max-wall is over
+    if (::poll(pipes.data(), pipes.size(), patience) <= 0) return;
+    auto run = running_.begin();
+    for (const pollfd& pipe : pipes) {
+      if (pipe.revents != 0) listen(*run);
+      run = run->child.ended() ? (end(*run), running_.erase(run)) : std::next(run);
+    }
+  }
+
+  void listen(RunningScene& run) {
+    for (const std::string& message : run.child.receive()) {
+      const std::string words = message.substr(1);
+      if (message[0] == failure_message) run.failure = words;
+      if (message[0] == note_message) board_.note(results_[run.index].name + ": " + words);
+      if (message[0] != progress_message) continue;
+      if (const auto now = RunProgress::parse(words)) board_.update(run.index, *now);
+    }
+  }
+
+  void end(RunningScene& run) {
+    const ChildProcess::Ending ending = run.child.wait();
+    CampaignRun& result = results_[run.index];
+    result.cpu_seconds = ending.cpu_seconds;
+    result.failure = reason(ending, run.failure);
+    const auto code = static_cast<ExitCode>(ending.code);
+    if (code == ExitCode::answered) {
+      result.data = io::read_local_data(data_path(directory_, result.name));
+      forget_failure(directory_, result.name);
+    } else if (code == ExitCode::stopped) {
+      result.failure = "it was stopped; the same command goes on with it";
+    } else if (code == ExitCode::resource) {
+      resource_failure_ = result.failure;
+    } else {
+      set_failed_aside(directory_, scenes_[run.index], result.failure);
+    }
+    board_.finish(run.index,
+                  result.data ? outcome_line(*result.data) : result.name + ": " + result.failure);
+  }
+
+  const std::vector<io::SceneFile>& scenes_;
+  const fs::path& directory_;
+  std::size_t processes_;
+  ProgressBoard& board_;
+  std::vector<CampaignRun> results_;
+  std::list<RunningScene> running_;
+  std::size_t next_ = 0;
+  bool asked_to_stop_ = false;
+  std::string resource_failure_;  ///< of disk: no run can go on
+};
 
 }  // namespace
 
+fs::path scene_path(const fs::path& directory, const std::string& name) {
+  return directory / (name + ".toml");
+}
+
+fs::path data_path(const fs::path& directory, const std::string& name) {
+  return directory / (name + ".h5");
+}
+
+void write_scenes(const std::vector<io::SceneFile>& scenes, const fs::path& directory) {
+  for (const io::SceneFile& file : scenes) {
+    io::safe_write(scene_path(directory, file.scene.name), file.text);
+  }
+}
+
 std::vector<CampaignRun> run_scenes(const std::vector<io::SceneFile>& scenes,
-                                    const std::filesystem::path& directory,
-                                    int threads,
+                                    const fs::path& directory,
+                                    int processes,
                                     ProgressLine& progress) {
-  std::vector<CampaignRun> results(scenes.size(),
-                                   {.name = {}, .data = {}, .failure = "not started"});
-  ProgressBoard board(scenes.size(), threads, progress);
-  CampaignLog log(directory);
-  std::atomic<std::size_t> next = 0;
-  std::mutex failure_mutex;
-  std::exception_ptr failure;  // of disk or memory: no run can go on
-  const auto run = [&](std::size_t k) {
-    try {
-      const std::string& name = scenes[k].scene.name;
-      const RunListener listener{
-          .progress = [&](const dem::Progress& now,
-                          const Pace& pace) { board.update(k, now, pace); },
-          .note = [&](const std::string& text) { board.note(name + ": " + text); }};
-      results[k] = run_one(scenes[k], directory / (name + ".h5"), log, listener);
-      board.finish(k,
-                   results[k].data ? outcome_line(*results[k].data)
-                                   : results[k].name + ": failed: " + results[k].failure);
-    } catch (...) {
-      const std::lock_guard lock(failure_mutex);
-      failure = std::current_exception();
-      next = scenes.size();
-    }
-  };
-  const auto work = [&] {
-    for (std::size_t k = next++; k < scenes.size() && !stop_requested(); k = next++) run(k);
-  };
-  std::vector<std::jthread> workers;
-  const auto count = std::min<std::size_t>(static_cast<std::size_t>(threads), scenes.size());
-  for (std::size_t k = 0; k < count; ++k) workers.emplace_back(work);
-  workers.clear();  // joins
-  if (failure) std::rethrow_exception(failure);
-  if (!stop_requested()) log.remove();
-  return results;
+  write_scenes(scenes, directory);
+  ProgressBoard board(scenes.size(), processes, progress);
+  return Runs(scenes, directory, processes, board).all();
 }
 
 }  // namespace grainlaw

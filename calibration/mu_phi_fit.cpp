@@ -190,10 +190,17 @@ continuum::RheologyTable make_table(std::span<const dem::LocalData> runs,
 }  // namespace
 
 MuPhiFit fit_mu_phi(std::span<const dem::LocalData> runs, const RowSelection& selection) {
+  require_same_material(runs);
+  std::vector<FlowPoint> points;
+  for (const dem::LocalData& run : runs) points.push_back(flow_point(run, selection));
+  return fit_mu_phi(runs, std::move(points));
+}
+
+MuPhiFit fit_mu_phi(std::span<const dem::LocalData> runs, std::vector<FlowPoint> points) {
   const auto clock = std::chrono::steady_clock::now();
   require_same_material(runs);
   MuPhiFit fit;
-  for (const dem::LocalData& run : runs) fit.points.push_back(flow_point(run, selection));
+  fit.points = std::move(points);
   require_two_tilts(fit.points);
 
   const FittedLaw friction = fit_friction(fit.points);

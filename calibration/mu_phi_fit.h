@@ -47,4 +47,8 @@ dem::Estimate friction_for_fit(const FlowPoint& point);
 /// different tilts. Throws FitError.
 MuPhiFit fit_mu_phi(std::span<const dem::LocalData> runs, const RowSelection& selection = {});
 
+/// The same fit to points that were made of these runs, e.g. means over runs that differ in their
+/// seed only.
+MuPhiFit fit_mu_phi(std::span<const dem::LocalData> runs, std::vector<FlowPoint> points);
+
 }  // namespace grainlaw::calibration

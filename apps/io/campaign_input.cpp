@@ -4,16 +4,48 @@
 
 #include <algorithm>
 
+#include "apps/io/campaign_scenes.h"
+
 namespace grainlaw::io {
 namespace {
 
-std::vector<double> read_tilts(Section& section, std::string_view key, std::string_view meaning) {
-  auto tilts = section.read<std::vector<double>>({key, meaning, {"degrees"}, chute_tilts});
-  if (section.has(key) && tilts.empty()) {
+constexpr std::string_view boxes_name = "shear_boxes";
+
+/// What the keys say, and the scene files they name.
+struct Keys {
+  Campaign campaign;
+  std::string scene;
+  std::vector<std::string> box_scenes;
+  std::vector<Section> boxes;
+};
+
+template <class T>
+void refuse_empty(Section& section, std::string_view key, const std::vector<T>& values) {
+  if (section.has(key) && values.empty()) {
+    section.problem(key, fmt::format("'{}' is empty: give at least one value", key));
+  }
+}
+
+template <class T>
+void refuse_repeated(Section& section, std::string_view key, std::vector<T> values) {
+  std::ranges::sort(values);
+  const auto twice = std::ranges::adjacent_find(values);
+  if (twice != values.end()) {
+    section.problem(key, fmt::format("{} is there twice in '{}'", *twice, key));
+  }
+}
+
+std::vector<double> read_tilts(Section& section,
+                               std::string_view key,
+                               std::string_view meaning,
+                               std::string_view note) {
+  const Key tilts{key, meaning, {"degrees"}, chute_tilts};
+  auto values = section.find<std::vector<double>>(tilts, note).value_or(std::vector<double>{});
+  if (section.has(key) && values.empty()) {
     section.problem(key, fmt::format("'{}' is empty: give at least one tilt", key));
   }
-  std::ranges::transform(tilts, tilts.begin(), radians);
-  return tilts;
+  std::ranges::transform(values, values.begin(), radians);
+  return values;
 }
 
 /// Tilts are the same when their runs would have the same name.
@@ -35,47 +67,193 @@ void refuse_duplicates(Section& section, const Campaign& campaign) {
   add(campaign.predict_tilts, "predict");
 }
 
-std::string read_keys(InputFile& in, Campaign& campaign) {
+void read_tilt_keys(InputFile& in, bool with_boxes, Campaign& campaign) {
+  const std::string_view meaning = "Tilts of the scene, each one run; needed without shear boxes";
+  Section tilts = with_boxes ? in.optional_section("tilts", meaning) : in.section("tilts", meaning);
+  campaign.calibrate_tilts =
+      read_tilts(tilts, "calibrate", "runs the law is fitted to", "required; not with shear boxes");
+  campaign.predict_tilts =
+      read_tilts(tilts, "predict", "runs that check the predictions", "required");
+  if (!with_boxes) tilts.report_missing({"calibrate", "runs the law is fitted to", {"degrees"}});
+  tilts.report_missing({"predict", "runs that check the predictions", {"degrees"}});
+  if (with_boxes && tilts.has("calibrate")) {
+    tilts.problem("calibrate",
+                  "'calibrate' and [[shear_boxes]] exclude each other: one law is fitted to one "
+                  "geometry, here to the boxes",
+                  "give these tilts under 'predict': they then check the law across geometries");
+  }
+  refuse_duplicates(tilts, campaign);
+}
+
+/// A list of numbers that may be absent, without repetitions.
+std::vector<double> read_list(Section& section, const Key& key, std::string_view note) {
+  auto values = section.find<std::vector<double>>(key, note).value_or(std::vector<double>{});
+  refuse_empty(section, key.name, values);
+  refuse_repeated(section, key.name, values);
+  return values;
+}
+
+ShearBoxes read_boxes(Section& section) {
+  ShearBoxes boxes;
+  const Key inertial{"inertial_number", "I, one run each with every p* and Bo", {}, positive};
+  boxes.inertial_numbers = read_list(section, inertial, "required");
+  section.report_missing(inertial);
+  boxes.softness =
+      read_list(section, {"softness", "p*: sets the pressure", {}, positive}, "that of the scene");
+  boxes.bond_numbers = read_list(
+      section,
+      {"bond_number", "Bo: sets the strength of [contact.cohesion]; 0: without", {}, not_negative},
+      "that of the scene");
+  boxes.strain = section.find<double>(
+      {"strain",
+       "to average over; the time limit is twice it, samples are 0.005 apart, frames 0.1",
+       {},
+       positive},
+      "the times of the scene");
+  return boxes;
+}
+
+Keys read_keys(InputFile& in) {
+  Keys keys;
+  Campaign& campaign = keys.campaign;
   Section top = in.top();
   campaign.title = top.read_or<std::string>(
       {"title", "of the report"}, in.path().stem().string(), "name of the file");
-  auto scene = top.read<std::string>({"scene", "scene file, relative to this file"});
+  const Key scene{"scene", "chute that is tilted, relative to this file"};
+  keys.scene = top.find<std::string>(scene, "required with [tilts]").value_or("");
+  campaign.seeds =
+      top.find<std::vector<std::int64_t>>(
+             {"seeds",
+              "every run once per seed; the scatter between them is reported beside the errors, "
+              "which are scatter in time",
+              {},
+              not_negative},
+             "the seed of the scene")
+          .value_or(std::vector<std::int64_t>{});
+  refuse_empty(top, "seeds", campaign.seeds);
+  refuse_repeated(top, "seeds", campaign.seeds);
   campaign.start_table =
       top.find<std::string>({"start_table",
-                             "rheology table, relative to this file: every run starts with the "
+                             "rheology table, relative to this file: every chute starts with the "
                              "velocity profile it predicts"},
                             "runs start from rest")
           .value_or("");
-  Section tilts = in.section("tilts", "Tilts of the scene, each one run");
-  campaign.calibrate_tilts = read_tilts(tilts, "calibrate", "runs the law is fitted to");
-  campaign.predict_tilts = read_tilts(tilts, "predict", "runs that check the predictions");
-  refuse_duplicates(tilts, campaign);
-  return scene;
+  keys.boxes = in.sections(boxes_name,
+                           "Boxes of simple shear the law is fitted to, as many of "
+                           "these sections as needed");
+  for (Section& section : keys.boxes) {
+    keys.box_scenes.push_back(section.read<std::string>(
+        {"scene", "a simple_shear at a pressure, relative to this file"}));
+    campaign.shear_boxes.push_back(read_boxes(section));
+  }
+  const bool with_boxes = !keys.boxes.empty();
+  read_tilt_keys(in, with_boxes, campaign);
+  if (in.optional_section("tilts", "").given()) top.report_missing(scene);
+  if (top.has("scene") && with_boxes && campaign.predict_tilts.empty()) {
+    top.problem("scene", "'scene' is a chute to tilt, and there are no [tilts] to predict");
+  }
+  return keys;
+}
+
+/// A scene that cannot be used is a problem of its key.
+SceneFile scene_of(const InputFile& in, std::string_view section, const std::string& name) {
+  try {
+    return read_scene(in.path().parent_path() / name);
+  } catch (const ReadError& error) {
+    throw InputError(in.message(section, "scene", error.what()));
+  }
+}
+
+void require_chute(const InputFile& in, const SceneFile& file) {
+  const dem::Geometry& geometry = file.scene.geometry;
+  if (std::holds_alternative<dem::Chute>(geometry)) return;
+  throw InputError(in.message("",
+                              "scene",
+                              fmt::format("a campaign tilts a chute, and this scene is a {}: run "
+                                          "it with grainlaw dem",
+                                          dem::kind(geometry))));
+}
+
+void require_box(const InputFile& in, const std::string& section, const ShearBoxes& boxes) {
+  const auto refuse = [&](std::string_view key, const std::string& text) {
+    throw InputError(in.message(section, key, text));
+  };
+  const dem::Scene& scene = boxes.scene.scene;
+  const auto* box = std::get_if<dem::SimpleShear>(&scene.geometry);
+  if (box == nullptr) {
+    refuse("scene",
+           fmt::format("shear boxes are scenes of kind \"simple_shear\", and this is a {}",
+                       dem::kind(scene.geometry)));
+  } else if (!box->pressure || *box->pressure == 0.0) {
+    refuse("scene", "I and p* are set by the shear rate and a pressure, which this scene lacks");
+  }
+  const bool wants_cohesion =
+      std::ranges::any_of(boxes.bond_numbers, [](double bond) { return bond > 0.0; });
+  if (wants_cohesion && std::holds_alternative<dem::Cohesionless>(scene.cohesion)) {
+    refuse("bond_number", "bond numbers above 0 need a [contact.cohesion] in the scene");
+  }
+}
+
+/// mu_p; 0 without friction.
+double sliding_coefficient(const dem::Scene& scene) {
+  return std::visit(
+      [](const auto& law) {
+        if constexpr (requires { law.coefficient; })
+          return law.coefficient;
+        else
+          return 0.0;
+      },
+      scene.friction);
+}
+
+/// One law belongs to one kind of grains.
+void require_same_grains(const InputFile& in,
+                         const std::string& section,
+                         const Campaign& campaign) {
+  const dem::Scene& first = campaign.shear_boxes.front().scene.scene;
+  const dem::Scene& other = campaign.shear_boxes.back().scene.scene;
+  if (sliding_coefficient(first) == sliding_coefficient(other) &&
+      first.grains.size_ratio == other.grains.size_ratio) {
+    return;
+  }
+  throw InputError(in.message(section,
+                              "scene",
+                              "the grains are not those of the first boxes (contact friction, "
+                              "size_ratio): one law belongs to one kind of grains"));
+}
+
+void read_scenes(const InputFile& in, const Keys& keys, Campaign& campaign) {
+  if (!keys.scene.empty()) {
+    campaign.scene = scene_of(in, "", keys.scene);
+    require_chute(in, campaign.scene);
+  }
+  std::vector<ShearBoxes> boxes = std::move(campaign.shear_boxes);
+  campaign.shear_boxes.clear();
+  for (std::size_t k = 0; k < boxes.size(); ++k) {
+    const std::string section = keys.boxes[k].name();
+    boxes[k].scene = scene_of(in, section, keys.box_scenes[k]);
+    require_box(in, section, boxes[k]);
+    campaign.shear_boxes.push_back(std::move(boxes[k]));
+    require_same_grains(in, section, campaign);
+  }
 }
 
 }  // namespace
 
 Campaign read_campaign(const std::filesystem::path& path) {
   InputFile in = InputFile::open(path);
-  Campaign campaign;
-  const std::string scene = read_keys(in, campaign);
+  Keys keys = read_keys(in);
   in.finish();
+  Campaign campaign = std::move(keys.campaign);
   campaign.text = in.text();
   campaign.path = path;
   if (!campaign.start_table.empty())
     campaign.start_table = path.parent_path() / campaign.start_table;
+  read_scenes(in, keys, campaign);
   try {
-    campaign.scene = read_scene(path.parent_path() / scene);
-  } catch (const ReadError& error) {
-    throw InputError(in.message("", "scene", error.what()));
-  }
-  const dem::Geometry& geometry = campaign.scene.scene.geometry;
-  if (!std::holds_alternative<dem::Chute>(geometry)) {
-    throw InputError(in.message("",
-                                "scene",
-                                fmt::format("a campaign tilts a chute, and this scene is a {}: run "
-                                            "it with grainlaw dem",
-                                            dem::kind(geometry))));
+    planned_runs(campaign);
+  } catch (const InputError& error) {
+    throw InputError(in.message("", "", error.what()));
   }
   if (!std::get<dem::Chute>(geometry).tilts.empty()) {
     throw InputError(
@@ -86,26 +264,9 @@ Campaign read_campaign(const std::filesystem::path& path) {
   return campaign;
 }
 
-std::string run_name(double tilt) {
-  return fmt::format("theta{:.6g}", degrees(tilt));
-}
-
-SceneFile scene_at(const Campaign& campaign, double tilt) {
-  SceneFile file = campaign.scene;
-  std::get<dem::Chute>(file.scene.geometry).inclination = tilt;
-  file.scene.name = run_name(tilt);
-  restate(file,
-          {{"", "name", fmt::format("\"{}\"", file.scene.name)},
-           {"geometry",
-            "inclination",
-            fmt::format("{}", exact_degrees(tilt).value_or(degrees(tilt)))}});
-  return file;
-}
-
 std::string campaign_keys() {
   InputFile in = InputFile::listing();
-  Campaign campaign;
-  read_keys(in, campaign);
+  read_keys(in);
   return in.key_list();
 }
 

@@ -119,6 +119,9 @@ std::string type_name(std::string*) {
 std::string type_name(std::vector<double>*) {
   return "list of numbers";
 }
+std::string type_name(std::vector<std::int64_t>*) {
+  return "list of integers";
+}
 std::string type_name(std::vector<std::string>*) {
   return "list of texts";
 }
@@ -172,6 +175,7 @@ template std::optional<std::int64_t> Section::ask(const Key&, std::string_view);
 template std::optional<bool> Section::ask(const Key&, std::string_view);
 template std::optional<std::string> Section::ask(const Key&, std::string_view);
 template std::optional<std::vector<double>> Section::ask(const Key&, std::string_view);
+template std::optional<std::vector<std::int64_t>> Section::ask(const Key&, std::string_view);
 template std::optional<std::vector<std::string>> Section::ask(const Key&, std::string_view);
 template std::optional<NumberRows> Section::ask(const Key&, std::string_view);
 
@@ -298,6 +302,17 @@ Section InputFile::optional_section(std::string_view name, std::string_view mean
   std::string& known = state_->entry(name).meaning;
   if (known.empty()) known = meaning;  // who reads the section first describes it
   return {*state_, name};
+}
+
+std::vector<Section> InputFile::sections(std::string_view name, std::string_view meaning) {
+  if (state_->listing) return {optional_section(fmt::format("[{}]", name), meaning)};
+  const Section single = optional_section(name, meaning);
+  if (single.given()) return {single};
+  std::vector<Section> found;
+  for (std::size_t k = 1; state_->table(fmt::format("{}.{}", name, k)) != nullptr; ++k) {
+    found.push_back(optional_section(fmt::format("{}.{}", name, k), meaning));
+  }
+  return found;
 }
 
 void InputFile::finish() {

@@ -36,10 +36,12 @@ struct InputState;
 
 /// One section of an input file. Nothing throws while keys are read: problems are gathered, a
 /// placeholder is returned, and InputFile::finish reports all of them at once.
-/// T: double, std::int64_t, bool, std::string, std::vector<double>, std::vector<std::string> or
-/// NumberRows. Numbers come in internal units; their bounds hold in the units of the file.
+/// T: double, std::int64_t, bool, std::string, a std::vector of double, std::int64_t or
+/// std::string, or NumberRows. Numbers come in internal units; their bounds hold in the units of
+/// the file.
 class Section {
  public:
+  const std::string& name() const { return name_; }  ///< as InputFile::message takes it
   bool given() const;  ///< is it in the file (always, when listing keys)
   bool has(std::string_view key) const;
 
@@ -113,6 +115,9 @@ class InputFile {
   Section top();
   Section section(std::string_view name, std::string_view meaning);           ///< has to be there
   Section optional_section(std::string_view name, std::string_view meaning);  ///< may be absent
+
+  /// Every [[name]], in their order; a single [name] counts as one. None: there is none.
+  std::vector<Section> sections(std::string_view name, std::string_view meaning);
 
   /// Throws InputError when there were problems, or keys and sections nobody asked for.
   void finish();

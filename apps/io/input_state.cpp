@@ -3,11 +3,52 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 
 namespace grainlaw::io {
 
+namespace {
+
+/// Takes the first word off "contact.normal".
+std::string_view take_word(std::string_view& section) {
+  const std::size_t dot = std::min(section.find('.'), section.size());
+  const std::string_view word = section.substr(0, dot);
+  section.remove_prefix(std::min(dot + 1, section.size()));
+  return word;
+}
+
+/// The element of a list that "1", "2", ... names.
+const TomlValue* element(const std::vector<TomlValue>& list, std::string_view number) {
+  std::size_t k = 0;
+  std::from_chars(number.data(), number.data() + number.size(), k);
+  return k >= 1 && k <= list.size() ? &list[k - 1] : nullptr;
+}
+
+/// What stands under a section; of "shear_boxes.2" the second [[shear_boxes]].
+const TomlValue* find_value(const TomlTable& root, std::string_view section) {
+  const TomlTable* table = &root;
+  const TomlValue* value = nullptr;
+  while (table != nullptr && !section.empty()) {
+    const TomlEntry* inner = table->find(take_word(section));
+    if (inner == nullptr) return nullptr;
+    value = &inner->value;
+    const auto* list = std::get_if<std::vector<TomlValue>>(&value->value);
+    if (list != nullptr && !section.empty()) value = element(*list, take_word(section));
+    if (value == nullptr) return nullptr;
+    table = value->table();
+  }
+  return section.empty() ? value : nullptr;
+}
+
+}  // namespace
+
 std::string title(std::string_view section) {
-  return section.empty() ? "at the top level" : fmt::format("in [{}]", section);
+  if (section.empty()) return "at the top level";
+  const std::size_t dot = section.rfind('.');
+  if (dot == std::string_view::npos || section[dot + 1] < '0' || section[dot + 1] > '9') {
+    return fmt::format("in [{}]", section);
+  }
+  return fmt::format("in [[{}]] number {}", section.substr(0, dot), section.substr(dot + 1));
 }
 
 std::string did_you_mean(std::string_view guess) {
@@ -15,14 +56,9 @@ std::string did_you_mean(std::string_view guess) {
 }
 
 const TomlTable* InputState::table(std::string_view section) const {
-  const TomlTable* table = &root;
-  while (table != nullptr && !section.empty()) {
-    const std::size_t dot = std::min(section.find('.'), section.size());
-    const TomlEntry* inner = table->find(section.substr(0, dot));
-    table = inner == nullptr ? nullptr : inner->value.table();
-    section.remove_prefix(std::min(dot + 1, section.size()));
-  }
-  return table;
+  if (section.empty()) return &root;
+  const TomlValue* value = find_value(root, section);
+  return value == nullptr ? nullptr : value->table();
 }
 
 const TomlEntry* InputState::find(std::string_view section, std::string_view key) const {
@@ -35,8 +71,9 @@ Place InputState::place(std::string_view section, std::string_view key) const {
   if (section.empty() || table(section) == nullptr) return {};
   const std::size_t dot = section.rfind('.');
   const bool nested = dot != std::string_view::npos;
-  return find(nested ? section.substr(0, dot) : "", nested ? section.substr(dot + 1) : section)
-      ->place;
+  const TomlEntry* home =
+      find(nested ? section.substr(0, dot) : "", nested ? section.substr(dot + 1) : section);
+  return home != nullptr ? home->place : find_value(root, section)->place;  // of a list: no key
 }
 
 SectionEntry& InputState::entry(std::string_view section, std::string_view variant) {
@@ -110,6 +147,11 @@ void InputState::report_unknown_section(const TomlEntry& found, const std::strin
        {}});
 }
 
+void InputState::report_no_section(const TomlValue& found, Place at, const std::string& name) {
+  problems.push_back(
+      {at, fmt::format("[{}] must be a section, found {}", name, found.type()), {}, {}, {}});
+}
+
 void InputState::find_unknown(const TomlTable& in, const std::string& section) {
   const std::vector<std::string> keys = known_keys(section);
   const std::vector<std::string> sections = known_sections();
@@ -119,15 +161,20 @@ void InputState::find_unknown(const TomlTable& in, const std::string& section) {
     const bool known = std::ranges::any_of(sections, [&](const std::string& other) {
       return other == name || other.starts_with(name + ".");
     });
+    const auto* list = std::get_if<std::vector<TomlValue>>(&found.value.value);
+    const bool numbered = list != nullptr && std::ranges::count(sections, name + ".1") > 0;
     if (known && found.value.table() != nullptr) {
       find_unknown(*found.value.table(), name);
+    } else if (numbered) {
+      for (std::size_t k = 0; k < list->size(); ++k) {
+        const std::string numbered_name = fmt::format("{}.{}", name, k + 1);
+        const TomlTable* one = (*list)[k].table();
+        if (one != nullptr) find_unknown(*one, numbered_name);
+        if (one == nullptr) report_no_section((*list)[k], (*list)[k].place, numbered_name);
+      }
     } else if (known) {
       withdraw_missing("", name);
-      problems.push_back({found.place,
-                          fmt::format("[{}] must be a section, found {}", name, found.value.type()),
-                          {},
-                          {},
-                          {}});
+      report_no_section(found.value, found.place, name);
     } else if (found.value.table() != nullptr) {
       report_unknown_section(found, name);
     } else {

@@ -49,6 +49,7 @@ struct InputState {
   std::string home_of(std::string_view key) const;
   void report_unknown(const TomlEntry& found, const std::string& section);
   void report_unknown_section(const TomlEntry& found, const std::string& name);
+  void report_no_section(const TomlValue& found, Place at, const std::string& name);
   void withdraw_missing(std::string_view section, const std::string& name);
 };
 

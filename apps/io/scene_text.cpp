@@ -81,6 +81,16 @@ std::string with_values(std::string text, const std::vector<Override>& overrides
   return text;
 }
 
+std::string without_section(const std::string& text, std::string_view section) {
+  std::string kept;
+  bool inside = false;
+  for (const std::string& line : lines_of(text)) {
+    if (const auto header = header_of(line)) inside = *header == section;
+    if (!inside) kept += line + "\n";
+  }
+  return kept;
+}
+
 std::string with_comments(const std::string& text, const std::vector<Override>& overrides) {
   std::string out = "# The run differs from the text below in:\n";
   for (const Override& change : overrides) {

@@ -17,6 +17,10 @@ struct Override {
 /// It looks at lines only, not at inline tables or dotted keys: read the result to be sure.
 std::string with_values(std::string text, const std::vector<Override>& overrides);
 
+/// The text without the lines of a section, from its header to the next; read the result to be
+/// sure.
+std::string without_section(const std::string& text, std::string_view section);
+
 /// The text after comment lines that state the values.
 std::string with_comments(const std::string& text, const std::vector<Override>& overrides);
 

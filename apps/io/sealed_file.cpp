@@ -27,15 +27,6 @@ std::string foreign(std::string_view bytes) {
 
 }  // namespace
 
-std::uint64_t checksum(std::string_view bytes) {
-  std::uint64_t hash = 0xcbf29ce484222325u;
-  for (const char c : bytes) {
-    hash ^= static_cast<unsigned char>(c);
-    hash *= 0x100000001b3u;
-  }
-  return hash;
-}
-
 std::string seal(std::string_view kind, int format, std::string_view content) {
   std::string bytes = fmt::format("grainlaw {}\nformat {}\nbytes {}\nchecksum {:016x}\n",
                                   kind,

@@ -1,14 +1,12 @@
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
 
-namespace grainlaw::io {
+#include "apps/io/checksum.h"
 
-/// FNV-1a, 64 bit: any single changed byte changes it.
-std::uint64_t checksum(std::string_view bytes);
+namespace grainlaw::io {
 
 /// Bytes of the seal at the front of a file. HDF5 skips it as a user block.
 inline constexpr std::size_t seal_bytes = 512;

@@ -38,7 +38,8 @@ std::vector<Part> parts_of(const Report& report, const Figures& figures, const P
   const auto add = [&](bool there, std::string_view id, std::string_view title, auto content) {
     if (there) parts.push_back({id, title, content()});
   };
-  add(!other || chutes, "summary", "Summary", [&] { return summary_section(report); });
+  const bool summary = !other || chutes || !report.warnings.empty();
+  add(summary, "summary", "Summary", [&] { return summary_section(report); });
   add(!other || report.fit, "law", "Law", [&] {
     return law_section(report, figures.law, pictures);
   });
@@ -63,6 +64,7 @@ std::vector<Part> parts_of(const Report& report, const Figures& figures, const P
   add(report.table.has_friction, "certificate", "Well-posedness", [&] {
     return certificate_section(report);
   });
+  add(!report.seeds.empty(), "seeds", "Seeds", [&] { return seed_section(report); });
   add(chutes, "time", "Error against run time", [&] {
     return time_section(report, figures.time, pictures);
   });

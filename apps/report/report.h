@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -162,6 +163,18 @@ struct ContactFrictionReport {
   std::optional<continuum::RheologyTable> interpolated;  ///< at the contact friction asked for
 };
 
+/// One number of one condition that was run with several seeds (for chutes: bases).
+struct SeedScatter {
+  std::string condition;
+  std::string quantity;  ///< "I", "mu", "phi", ...
+  int seeds = 0;
+  dem::Estimate mean;    ///< over the seeds; its error is that in time
+  double scatter = 0.0;  ///< standard deviation between the seeds
+
+  /// The same of one run, as the errors in time claim.
+  double expected_scatter() const { return mean.error * std::sqrt(static_cast<double>(seeds)); }
+};
+
 /// All a report shows. Everything in it was computed before; the report only writes.
 struct Report {
   std::string title;
@@ -176,6 +189,7 @@ struct Report {
   std::optional<NonlocalAmplitude> nonlocal;  ///< of the bands among them
   std::vector<RunComparison> left_out;        ///< fitted runs, the law refitted without each
   std::vector<TableScores> tables;            ///< the first is `table`; empty: no scores asked
+  std::vector<SeedScatter> seeds;             ///< empty: one seed each
   std::vector<TimeErrorPoint> error_against_time;
   std::optional<SeriesReport> series;  ///< absent: no series was asked for
   std::vector<StageCost> costs;

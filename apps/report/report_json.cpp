@@ -34,6 +34,7 @@ json to_json(const dem::RunSummary&);
 json to_json(const continuum::CertifiedConfinement&);
 json to_json(const RunComparison&);
 json to_json(const TimeErrorPoint&);
+json to_json(const SeedScatter&);
 json to_json(const StageCost&);
 json to_json(const Coefficient&);
 json to_json(const continuum::Covariance&);
@@ -351,6 +352,15 @@ json to_json(const SeriesReport& series) {
           {"left_out", contacts.left_out}};
 }
 
+json to_json(const SeedScatter& one) {
+  return {{"condition", one.condition},
+          {"quantity", one.quantity},
+          {"seeds", one.seeds},
+          {"mean", to_json(one.mean)},
+          {"scatter", one.scatter},
+          {"expected_scatter", one.expected_scatter()}};
+}
+
 }  // namespace
 
 std::string report_json(const Report& report) {
@@ -366,6 +376,7 @@ std::string report_json(const Report& report) {
                    {"scores", scores_json(report)},
                    {"error_against_time", to_json(report.error_against_time)},
                    {"costs", to_json(report.costs)}};
+  if (!report.seeds.empty()) document["seeds"] = to_json(report.seeds);
   if (report.series) document["series"] = to_json(*report.series);
   if (report.material) document["material"] = material_json(*report.material);
   if (report.contact_friction) {

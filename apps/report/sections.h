@@ -54,6 +54,7 @@ Html material_section(const MaterialReport& material,
 Html contact_friction_section(const ContactFrictionReport& report,
                               const FigureGroup& group,
                               const Pictures& pictures);
+Html seed_section(const Report& report);
 Html time_section(const Report& report, const FigureGroup& group, const Pictures& pictures);
 Html cost_section(const Report& report);
 Html health_section(const Report& report);

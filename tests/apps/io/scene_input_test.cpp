@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "apps/io/campaign_input.h"
+#include "apps/io/campaign_scenes.h"
 #include "apps/io/case_input.h"
 
 namespace grainlaw::io {
