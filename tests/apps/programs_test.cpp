@@ -192,8 +192,8 @@ TEST_F(Programs, ARunIsDrawnOnRequest) {
   const std::string run_scene = "dem " + small_scene("24") + " --quiet -o " + path("drawn.h5");
   const Output picture = grainlaw(run_scene + " --plot " + path("drawn.svg"));
   if (picture.text.find("gnuplot was not found") != std::string::npos) GTEST_SKIP();
-  ASSERT_EQ(picture.code, 0) << picture.text;
-  std::ifstream file(path("drawn.svg"));
+  std::ifstream file(path("drawn.svg"));  // what was measured is drawn, steady or not
+  ASSERT_TRUE(file) << picture.text;
   const std::string svg{std::istreambuf_iterator<char>(file), {}};
   EXPECT_NE(svg.find("</svg>"), std::string::npos);
   EXPECT_NE(svg.find("φ"), std::string::npos);
