@@ -32,9 +32,12 @@ struct Problem {
 
 Problem read_problem(const io::SolverStudy& study) {
   const io::CaseFile file = io::read_case(study.question);
-  if (!file.is_chute() || file.depth || file.sweep) {
+  if (!file.is_chute() || file.depth || file.mass_flow || file.tilt_sought || file.sweep) {
     throw io::InputError(io::case_message(
-        file, "", "", "this study takes one chute with its mass_per_area, no sweep"));
+        file,
+        "",
+        "",
+        "this study takes one chute with its inclination and mass_per_area, no sweep"));
   }
   Problem problem{.chute = file.chute,
                   .table = io::in_grain_units(io::read_table(study.table), file.units),
