@@ -7,6 +7,7 @@
 #include "apps/compare_runs.h"
 #include "apps/exit_code.h"
 #include "apps/io/campaign_input.h"
+#include "apps/io/campaign_scenes.h"
 #include "apps/study_kinds.h"
 #include "apps/study_timing.h"
 
@@ -19,15 +20,17 @@ io::Campaign read(const io::WholeStudy& study) {
     throw io::InputError(study.campaign.string() +
                          ": has a start_table; from nothing means that no law is known");
   }
+  if (!campaign.shear_boxes.empty() || campaign.seeds.size() > 1) {
+    throw io::InputError(study.campaign.string() +
+                         ": this study takes chutes with one seed, no shear boxes");
+  }
   return campaign;
 }
 
 /// Calibration runs first.
 std::vector<io::SceneFile> scenes_of(const io::Campaign& campaign) {
   std::vector<io::SceneFile> scenes;
-  for (const auto* tilts : {&campaign.calibrate_tilts, &campaign.predict_tilts}) {
-    for (const double tilt : *tilts) scenes.push_back(io::scene_at(campaign, tilt));
-  }
+  for (const io::PlannedRun& run : io::planned_runs(campaign)) scenes.push_back(run.file);
   return scenes;
 }
 

@@ -255,7 +255,8 @@ Campaign read_campaign(const std::filesystem::path& path) {
   } catch (const InputError& error) {
     throw InputError(in.message("", "", error.what()));
   }
-  if (!std::get<dem::Chute>(geometry).tilts.empty()) {
+  const auto* chute = std::get_if<dem::Chute>(&campaign.scene.scene.geometry);
+  if (chute != nullptr && !chute->tilts.empty()) {
     throw InputError(
         in.message("",
                    "scene",
