@@ -41,7 +41,9 @@ TEST(SceneInput, EveryExampleIsAGoodSceneOfItsGeometry) {
   const std::vector<std::pair<std::string, std::string>> examples{
       {"chute", "chute"},
       {"chute_cohesive", "chute"},
+      {"chute_arrest", "chute"},
       {"chute_hertz", "chute"},
+      {"chute_tilt_step", "chute"},
       {"simple_shear", "simple_shear"},
       {"simple_shear_cohesive", "simple_shear"},
       {"plane_shear", "plane_shear"},
