@@ -29,7 +29,7 @@ struct BandComparison {
   /// wall of given stress), measured, and predicted / measured - 1.
   dem::Estimate drive;
   dem::Estimate drive_difference;
-  double height = 0.0;                   ///< measured, of the layer or of the period [length]
+  double height = 0.0;  ///< measured, of the layer or of the period [length]
   /// Absent: no walls, farther than farthest_no_slip, or a local band that collapsed.
   std::optional<NoSlipHeights> no_slip;
   ErrorBudget budget;

@@ -91,9 +91,9 @@ struct ErrorBudget {
   double statistics = 0.0;  ///< standard errors of the DEM profile
   double law = 0.0;         ///< band of the table, from its covariance
   double geometry = 0.0;    ///< between the prediction and the same with what the table cannot know
-                          ///< of this geometry taken from the run itself: no-slip heights, or,
-                          ///< across geometries, the law
-  double numerics = 0.0;  ///< discretisation of the solver
+                            ///< of this geometry taken from the run itself: no-slip heights, or,
+                            ///< across geometries, the law
+  double numerics = 0.0;    ///< discretisation of the solver
 
   /// What the four do not explain, added in squares: the form of the law and of the model.
   double rest() const;
