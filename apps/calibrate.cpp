@@ -97,6 +97,27 @@ void add_error_lines(Summary& summary, const std::vector<report::RunComparison>&
   }
 }
 
+void add_law_line(Summary& summary,
+                  const std::string& key,
+                  const std::string& label,
+                  const std::optional<calibration::RatioLaw>& law) {
+  if (!law) return;
+  summary.add_estimate(key + "_factor", label, law->factor.value, law->factor.error);
+  summary.add_estimate(key + "_rate", "  exponent or rate", law->rate.value, law->rate.error);
+}
+
+void add_series_lines(Summary& summary, const calibration::ContactSeries& contacts) {
+  for (const calibration::StiffnessLaws& laws : contacts.stiffness) {
+    add_law_line(summary, laws.series + "_Xi", laws.series + ": Xi at h/2 over k_n", laws.ratio[1]);
+    add_law_line(summary, laws.series + "_Nc", laws.series + ": N_c over k_n", laws.collision_rate);
+  }
+  add_law_line(summary, "Xi_lifetime", "Xi over exp(gd tau_l)", contacts.lifetime_law);
+  for (const calibration::RankCorrelation& one : contacts.correlations) {
+    summary.add("rank_" + one.with, "rank correlation of Xi with " + one.with, one.value);
+  }
+  if (!contacts.left_out.empty()) summary.add("left_out", "left out", contacts.left_out);
+}
+
 void add_seed_lines(Summary& summary, const std::vector<report::SeedScatter>& seeds) {
   for (const report::SeedScatter& one : seeds) {
     summary.add(
@@ -159,6 +180,12 @@ ExitCode list(const io::Campaign& campaign, const fs::path& directory) {
 }
 
 Summary write_results(const report::Report& report, Summary summary, const fs::path& directory) {
+  if (report.series) {
+    report::write_report(report, directory);
+    add_series_lines(summary, report.series->contacts);
+    summary.add("report", "report", (directory / "report.html").string());
+    return summary;
+  }
   io::write_table(report.table, directory / "table.toml");
   if (report.fit) write_bagnold_tables(report.runs, directory / "bagnold");
   report::write_report(report, directory);

@@ -149,7 +149,7 @@ CampaignData gather(const io::Campaign& campaign, const std::vector<std::string>
     if (!seen.insert(digest).second) {
       throw io::InputError(file + ": the same run is given twice; it would count twice in the fit");
     }
-    const io::PlannedRun* run = planned_for(record, planned);
+    const io::PlannedRun* run = planned_for(record, planned, !campaign.series.empty());
     if (run == nullptr) {
       throw io::InputError(fmt::format(
           "{}: its {} are not those of the campaign{}; compare it with `grainlaw compare` instead",

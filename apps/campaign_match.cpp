@@ -115,10 +115,12 @@ bool same_box(const io::RunRecord& record, const dem::Scene& scene, const io::Pl
 }  // namespace
 
 const io::PlannedRun* planned_for(const io::RunRecord& record,
-                                  const std::vector<io::PlannedRun>& planned) {
+                                  const std::vector<io::PlannedRun>& planned,
+                                  bool by_name) {
   const std::optional<dem::Scene> box = box_scene(record);
   const bool chute = record.data.conditions.geometry == "chute";
   const auto found = std::ranges::find_if(planned, [&](const io::PlannedRun& run) {
+    if (by_name && record.data.name != run.file.scene.name) return false;
     return chute ? same_chute(record, run) : box && same_box(record, *box, run);
   });
   return found == planned.end() ? nullptr : &*found;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 
 #include "apps/compare_runs.h"
@@ -117,6 +118,24 @@ void record_checks(continuum::RheologyTable& table,
   }
 }
 
+/// The runs of the series, in their order. No law is fitted, no flow predicted.
+void study_series(report::Report& report, const io::Campaign& campaign, const CampaignData& data) {
+  report::SeriesReport result;
+  std::vector<calibration::SeriesRun> runs;
+  for (const io::ChuteSeries& series : campaign.series) {
+    for (const io::SceneFile& file : series.scenes) {
+      const auto found = std::ranges::find(data.runs, file.scene.name, &MeasuredRun::condition);
+      if (found == data.runs.end()) continue;
+      const dem::LocalData& run = found->data;
+      runs.push_back({series.name, &run});
+      if (run.lifetimes) result.curves.push_back({run.name, series.name, *run.lifetimes});
+    }
+  }
+  constexpr std::size_t touching = 0;  // the smallest d_c
+  result.contacts = calibration::contact_series(runs, touching);
+  report.series = std::move(result);
+}
+
 }  // namespace
 
 report::Report evaluate(const io::Campaign& campaign,
@@ -127,6 +146,11 @@ report::Report evaluate(const io::Campaign& campaign,
   report.machine = machine();
   report.warnings = std::move(data.warnings);
   report.costs = std::move(data.costs);
+  if (!campaign.series.empty()) {
+    const StageClock clock(report, "fit");
+    study_series(report, campaign, data);
+    return report;
+  }
   const bool boxes = !campaign.shear_boxes.empty();
   {
     const StageClock clock(report, "fit");

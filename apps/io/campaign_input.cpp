@@ -10,6 +10,7 @@ namespace grainlaw::io {
 namespace {
 
 constexpr std::string_view boxes_name = "shear_boxes";
+constexpr std::string_view series_name = "series";
 
 /// What the keys say, and the scene files they name.
 struct Keys {
@@ -17,6 +18,8 @@ struct Keys {
   std::string scene;
   std::vector<std::string> box_scenes;
   std::vector<Section> boxes;
+  std::vector<Section> series;
+  std::vector<std::vector<std::string>> series_scenes;
 };
 
 template <class T>
@@ -67,15 +70,18 @@ void refuse_duplicates(Section& section, const Campaign& campaign) {
   add(campaign.predict_tilts, "predict");
 }
 
-void read_tilt_keys(InputFile& in, bool with_boxes, Campaign& campaign) {
+void read_tilt_keys(InputFile& in, bool with_boxes, bool with_series, Campaign& campaign) {
   const std::string_view meaning = "Tilts of the scene, each one run; needed without shear boxes";
-  Section tilts = with_boxes ? in.optional_section("tilts", meaning) : in.section("tilts", meaning);
+  const bool optional = with_boxes || with_series;
+  Section tilts = optional ? in.optional_section("tilts", meaning) : in.section("tilts", meaning);
   campaign.calibrate_tilts =
       read_tilts(tilts, "calibrate", "runs the law is fitted to", "required; not with shear boxes");
   campaign.predict_tilts =
       read_tilts(tilts, "predict", "runs that check the predictions", "required");
-  if (!with_boxes) tilts.report_missing({"calibrate", "runs the law is fitted to", {"degrees"}});
-  tilts.report_missing({"predict", "runs that check the predictions", {"degrees"}});
+  if (!optional) tilts.report_missing({"calibrate", "runs the law is fitted to", {"degrees"}});
+  if (!optional || tilts.given()) {
+    tilts.report_missing({"predict", "runs that check the predictions", {"degrees"}});
+  }
   if (with_boxes && tilts.has("calibrate")) {
     tilts.problem("calibrate",
                   "'calibrate' and [[shear_boxes]] exclude each other: one law is fitted to one "
@@ -113,6 +119,22 @@ ShearBoxes read_boxes(Section& section) {
   return boxes;
 }
 
+void read_series_keys(InputFile& in, Keys& keys) {
+  keys.series = in.sections(series_name,
+                            "Chutes that differ in one property; instead of tilts and boxes. Xi of "
+                            "their Bagnold laws is held against how long their contacts last");
+  for (Section& section : keys.series) {
+    ChuteSeries series;
+    series.name = section.read<std::string>({"name", "of the series, for figures"});
+    auto scenes = section.read<std::vector<std::string>>(
+        {"scenes", "chutes with [lifetimes], relative to this file"});
+    refuse_empty(section, "scenes", scenes);
+    refuse_repeated(section, "scenes", scenes);
+    keys.series_scenes.push_back(std::move(scenes));
+    keys.campaign.series.push_back(std::move(series));
+  }
+}
+
 Keys read_keys(InputFile& in) {
   Keys keys;
   Campaign& campaign = keys.campaign;
@@ -146,8 +168,9 @@ Keys read_keys(InputFile& in) {
         {"scene", "a simple_shear at a pressure, relative to this file"}));
     campaign.shear_boxes.push_back(read_boxes(section));
   }
+  read_series_keys(in, keys);
   const bool with_boxes = !keys.boxes.empty();
-  read_tilt_keys(in, with_boxes, campaign);
+  read_tilt_keys(in, with_boxes, !keys.series.empty(), campaign);
   if (in.optional_section("tilts", "").given()) top.report_missing(scene);
   if (top.has("scene") && with_boxes && campaign.predict_tilts.empty()) {
     top.problem("scene", "'scene' is a chute to tilt, and there are no [tilts] to predict");
@@ -156,11 +179,14 @@ Keys read_keys(InputFile& in) {
 }
 
 /// A scene that cannot be used is a problem of its key.
-SceneFile scene_of(const InputFile& in, std::string_view section, const std::string& name) {
+SceneFile scene_of(const InputFile& in,
+                   std::string_view section,
+                   const std::string& name,
+                   std::string_view key = "scene") {
   try {
     return read_scene(in.path().parent_path() / name);
   } catch (const ReadError& error) {
-    throw InputError(in.message(section, "scene", error.what()));
+    throw InputError(in.message(section, key, error.what()));
   }
 }
 
@@ -222,7 +248,27 @@ void require_same_grains(const InputFile& in,
                               "size_ratio): one law belongs to one kind of grains"));
 }
 
+void require_lifetimes(const InputFile& in, const std::string& section, const SceneFile& file) {
+  const dem::Scene& scene = file.scene;
+  if (std::holds_alternative<dem::Chute>(scene.geometry) && scene.lifetimes) return;
+  throw InputError(in.message(
+      section,
+      "scenes",
+      fmt::format("{}: a series takes chutes with a [lifetimes] section", file.path.string())));
+}
+
+void read_series_scenes(const InputFile& in, const Keys& keys, Campaign& campaign) {
+  for (std::size_t k = 0; k < keys.series.size(); ++k) {
+    const std::string section = keys.series[k].name();
+    for (const std::string& name : keys.series_scenes[k]) {
+      campaign.series[k].scenes.push_back(scene_of(in, section, name, "scenes"));
+      require_lifetimes(in, section, campaign.series[k].scenes.back());
+    }
+  }
+}
+
 void read_scenes(const InputFile& in, const Keys& keys, Campaign& campaign) {
+  read_series_scenes(in, keys, campaign);
   if (!keys.scene.empty()) {
     campaign.scene = scene_of(in, "", keys.scene);
     require_chute(in, campaign.scene);
@@ -249,6 +295,14 @@ Campaign read_campaign(const std::filesystem::path& path) {
   campaign.path = path;
   if (!campaign.start_table.empty())
     campaign.start_table = path.parent_path() / campaign.start_table;
+  const bool of_a_law = !campaign.shear_boxes.empty() || !campaign.calibrate_tilts.empty() ||
+                        !campaign.predict_tilts.empty();
+  if (!campaign.series.empty() && of_a_law) {
+    throw InputError(in.message(keys.series.front().name(),
+                                "",
+                                "no law is fitted to [[series]]: give them a campaign of their "
+                                "own"));
+  }
   read_scenes(in, keys, campaign);
   try {
     planned_runs(campaign);

@@ -19,6 +19,12 @@ struct ShearBoxes {
   std::optional<double> strain;      ///< to average over; absent: the times of the scene
 };
 
+/// Chutes that differ in one property, or belong together otherwise.
+struct ChuteSeries {
+  std::string name;
+  std::vector<SceneFile> scenes;
+};
+
 /// Scenes at many conditions: some for the fit, others to check the predictions. With shear boxes
 /// the law is fitted to them, and chutes are predictions across geometries; without, to the chutes
 /// of the calibration tilts.
@@ -28,6 +34,7 @@ struct Campaign {
   std::vector<double> calibrate_tilts;  ///< [rad], as in the file
   std::vector<double> predict_tilts;    ///< [rad]
   std::vector<ShearBoxes> shear_boxes;
+  std::vector<ChuteSeries> series;      ///< instead of tilts and boxes: no law is fitted to them
   std::vector<std::int64_t> seeds;      ///< each run once per seed; empty: the seed of the scene
   std::filesystem::path start_table{};  ///< its predictions start the runs; empty: from rest
   std::string text;                     ///< of the campaign file

@@ -187,6 +187,16 @@ PlannedRun chute_run(const Campaign& campaign, double tilt, bool fitted) {
   return {std::move(again), name, fitted};
 }
 
+/// As it stands; one without a name of its own has that of its file.
+PlannedRun series_run(const SceneFile& file) {
+  const std::string name = file.scene.name;
+  std::vector<Override> changes = absolute_start(file);
+  changes.push_back({"", "name", in_quotes(name)});
+  SceneFile again = reread(file, with_values(file.text, changes), name);
+  if (again.scene.name != name) refuse_text(file, name);
+  return {std::move(again), name, false};
+}
+
 PlannedRun with_seed(const PlannedRun& run, std::int64_t seed) {
   PlannedRun seeded = run;
   const std::string name = fmt::format("{}_s{}", run.condition, seed);
@@ -247,6 +257,9 @@ SceneFile scene_at(const Campaign& campaign, double tilt) {
 
 std::vector<PlannedRun> planned_runs(const Campaign& campaign) {
   std::vector<PlannedRun> runs = box_runs(campaign);
+  for (const ChuteSeries& series : campaign.series) {
+    for (const SceneFile& file : series.scenes) runs.push_back(series_run(file));
+  }
   for (const double tilt : campaign.calibrate_tilts)
     runs.push_back(chute_run(campaign, tilt, true));
   for (const double tilt : campaign.predict_tilts) runs.push_back(chute_run(campaign, tilt, false));

@@ -122,7 +122,7 @@ Html cost_section(const Report& report) {
   Html content;
   if (!report.machine.empty()) content += paragraph(text("Machine: " + report.machine + "."));
   if (!report.costs.empty()) content += table(stage_table(report));
-  content += table(dem_table(report));
+  if (!report.runs.empty()) content += table(dem_table(report));
   return section("cost", "Run time"_html, content);
 }
 

@@ -61,7 +61,7 @@ std::vector<Part> parts_of(const Report& report, const Figures& figures, const P
   add(report.series.has_value(), "series", "Series", [&] {
     return series_section(*report.series, figures.series, pictures);
   });
-  add(report.table.has_friction, "certificate", "Well-posedness", [&] {
+  add(report.table.has_friction && !report.series, "certificate", "Well-posedness", [&] {
     return certificate_section(report);
   });
   add(!report.seeds.empty(), "seeds", "Seeds", [&] { return seed_section(report); });

@@ -368,8 +368,8 @@ std::string report_json(const Report& report) {
                    {"command", report.command},
                    {"machine", report.machine},
                    {"warnings", report.warnings},
-                   {"table", to_json(report.table)},
-                   {"certificate", to_json(continuum::well_posedness_map(report.table))},
+                   {"table", nullptr},
+                   {"certificate", nullptr},
                    {"fit", to_json(report.fit)},
                    {"runs", to_json(report.runs)},
                    {"flows", flows_json(report)},
@@ -377,7 +377,12 @@ std::string report_json(const Report& report) {
                    {"error_against_time", to_json(report.error_against_time)},
                    {"costs", to_json(report.costs)}};
   if (!report.seeds.empty()) document["seeds"] = to_json(report.seeds);
-  if (report.series) document["series"] = to_json(*report.series);
+  if (report.series) {
+    document["series"] = to_json(*report.series);
+  } else {  // a law was given or fitted
+    document["table"] = to_json(report.table);
+    document["certificate"] = to_json(continuum::well_posedness_map(report.table));
+  }
   if (report.material) document["material"] = material_json(*report.material);
   if (report.contact_friction) {
     document["contact_friction"] = contact_friction_json(*report.contact_friction);

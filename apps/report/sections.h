@@ -17,7 +17,7 @@ struct Figures {
   std::vector<FigureGroup> starts;    ///< per run
   std::vector<FigureGroup> flows;     ///< of the runs that are no chutes
   FigureGroup time;
-  FigureGroup series;
+  std::vector<FigureGroup> series;
   std::vector<FigureGroup> material;
   FigureGroup contact_friction;
 };
@@ -46,7 +46,9 @@ Html flow_section(const Report& report,
                   const Pictures& pictures);
 Html score_section(const Report& report);
 Html bagnold_section(const Report& report);
-Html series_section(const SeriesReport& series, const FigureGroup& group, const Pictures& pictures);
+Html series_section(const SeriesReport& series,
+                    const std::vector<FigureGroup>& groups,
+                    const Pictures& pictures);
 Html certificate_section(const Report& report);
 Html material_section(const MaterialReport& material,
                       const std::vector<FigureGroup>& groups,

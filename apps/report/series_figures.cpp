@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -13,6 +14,9 @@ using calibration::ContactPoint;
 using calibration::RatioLaw;
 
 constexpr PlotSize series_size{.width = 480, .height = 360};
+/// Below it Xi is not told from 0, which has no place on a logarithmic axis: its upper limit is
+/// drawn instead.
+constexpr double least_ratio = 1e-3;
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 std::vector<std::string> series_names(const SeriesReport& series) {
@@ -82,6 +86,7 @@ Csv points_csv(const SeriesReport& series, const std::string& of) {
                       "Xi 3/4",
                       "Xi 3/4 low",
                       "Xi 3/4 high",
+                      "Xi limit",
                       "Nc",
                       "Nc error",
                       "mean",
@@ -93,11 +98,14 @@ Csv points_csv(const SeriesReport& series, const std::string& of) {
                                point.tail_sampled ? point.long_lifetime.value : nan,
                                point.long_lifetime.error};
     for (const calibration::FittedCoefficient& ratio : point.ratio) {
-      // Zero has no place on a logarithmic axis: such an interval is drawn down to 1e-3.
-      row.push_back(ratio.value > 1e-3 ? ratio.value : nan);
-      row.push_back(std::max(ratio.interval.lower, 1e-3));
+      const bool found = ratio.interval.lower > least_ratio;
+      row.push_back(found ? ratio.value : nan);
+      row.push_back(ratio.interval.lower);
       row.push_back(ratio.interval.upper);
     }
+    const calibration::FittedCoefficient& middle = point.ratio[1];
+    const bool limit = !(middle.interval.lower > least_ratio) && middle.interval.upper > 0.0;
+    row.push_back(limit ? middle.interval.upper : nan);
     row.insert(row.end(),
                {point.collision_rate.value,
                 point.collision_rate.error,
@@ -110,6 +118,26 @@ Csv points_csv(const SeriesReport& series, const std::string& of) {
 
 std::string points_file(std::size_t k) {
   return fmt::format("series_{}.csv", k + 1);
+}
+
+/// Half a decade beyond the softest and the stiffest grains.
+std::string stiffness_axis(const SeriesReport& series) {
+  double low = std::numeric_limits<double>::infinity();
+  double high = 0.0;
+  for (const ContactPoint& point : series.contacts.points) {
+    low = std::min(low, point.stiffness);
+    high = std::max(high, point.stiffness);
+  }
+  return fmt::format("set xrange [{:.3g}:{:.3g}]\n", low / 3.0, 3.0 * high);
+}
+
+/// Upper limits of Xi: triangles that point down, with their bar.
+std::string limit_part(const char* x, std::size_t k) {
+  return fmt::format(
+      ", \\\n     '{0}' using \"{1}\":\"Xi limit\" with points pt 10 ps 0.8 lc rgb '{2}' notitle",
+      points_file(k),
+      x,
+      std::array{colour::measured, colour::predicted, colour::third, colour::fourth}[k % 4]);
 }
 
 std::string power(const RatioLaw& law, const std::string& title, std::size_t style) {
@@ -131,18 +159,21 @@ Figure ratio_figure(const SeriesReport& series, const std::vector<std::string>& 
         points_file(k),
         point_style(k),
         plot_text(names[k]));
+    parts += limit_part("kn", k);
     for (const calibration::StiffnessLaws& laws : series.contacts.stiffness) {
       if (laws.series == names[k] && laws.ratio[1]) {
         parts += power(*laws.ratio[1], "its power law", k);
       }
     }
   }
-  return {.name = name,
-          .script = log_log_head(
-                        name, "{/:Italic k}_n {/:Italic d}/({/:Italic m g})", "Ξ at half height") +
-                    "plot " + parts + "\n",
-          .label = "Ratio of the linear to the quadratic stress against stiffness",
-          .caption = "<i>Ξ</i> at half height against the stiffness; bars: 95 %"_html};
+  return {
+      .name = name,
+      .script =
+          log_log_head(name, "{/:Italic k}_n {/:Italic d}/({/:Italic m g})", "Ξ at half height") +
+          "plot " + parts + "\n",
+      .label = "Ratio of the linear to the quadratic stress against stiffness",
+      .caption =
+          "<i>Ξ</i> at half height against the stiffness; bars: 95 %, open triangles: its upper end where <i>Ξ</i> is not told from 0"_html};
 }
 
 Figure lifetime_figure(const SeriesReport& series, const std::vector<std::string>& names) {
@@ -156,6 +187,7 @@ Figure lifetime_figure(const SeriesReport& series, const std::vector<std::string
         points_file(k),
         point_style(k),
         plot_text(names[k]));
+    parts += limit_part("gd tau_l", k);
   }
   if (series.contacts.lifetime_law) {
     const RatioLaw& law = *series.contacts.lifetime_law;
@@ -172,7 +204,8 @@ Figure lifetime_figure(const SeriesReport& series, const std::vector<std::string
   return {.name = name,
           .script = plot_head(name, series_size) +
                     "set tmargin at screen 0.76\nset logscale y\nset format y '10^{%T}'\n"
-                    "set xlabel 'γ̇ τ_l'\nset ylabel 'Ξ at half height'\nplot " +
+                    "set xlabel 'γ̇ τ_l'\nset ylabel 'Ξ at half height'\nset xrange [0:1.5]\n"
+                    "set yrange [1e-3:*]\nplot " +
                     parts + "\n",
           .label = "Ratio of the linear to the quadratic stress against the long contact lifetime",
           .caption = "<i>Ξ</i> against the long lifetime, where <i>P</i> = 0.1; bars: 95 %"_html};
@@ -200,28 +233,32 @@ Figure collision_figure(const SeriesReport& series, const std::vector<std::strin
           .script = log_log_head(name,
                                  "{/:Italic k}_n {/:Italic d}/({/:Italic m g})",
                                  "{/:Italic N}_c √({/:Italic d}/{/:Italic g})") +
-                    "plot " + parts + "\n",
+                    stiffness_axis(series) + "plot " + parts + "\n",
           .label = "Collisions per grain against stiffness",
           .caption = "Contacts that begin, per grain and √(<i>d</i>/<i>g</i>)"_html};
 }
 
 }  // namespace
 
-FigureGroup series_figures(const SeriesReport& series) {
-  FigureGroup group;
+std::vector<FigureGroup> series_figures(const SeriesReport& series) {
   const std::vector<std::string> names = series_names(series);
-  if (names.empty()) return group;
+  if (names.empty()) return {};
+  std::vector<FigureGroup> groups(1);
+  const auto add = [&](Figure figure) {  // two of them side by side can be read
+    if (groups.back().figures.size() == 2) groups.emplace_back();
+    groups.back().figures.push_back(std::move(figure));
+  };
   for (std::size_t k = 0; k < series.curves.size(); ++k) {
-    group.data[curve_file(k)] = curve_csv(series.curves[k]);
+    groups.front().data[curve_file(k)] = curve_csv(series.curves[k]);
   }
   for (std::size_t k = 0; k < names.size(); ++k) {
-    group.data[points_file(k)] = points_csv(series, names[k]);
-    group.figures.push_back(distribution_figure(series, names[k], k + 1));
+    groups.front().data[points_file(k)] = points_csv(series, names[k]);
+    add(distribution_figure(series, names[k], k + 1));
   }
-  group.figures.push_back(ratio_figure(series, names));
-  group.figures.push_back(lifetime_figure(series, names));
-  group.figures.push_back(collision_figure(series, names));
-  return group;
+  add(ratio_figure(series, names));
+  add(lifetime_figure(series, names));
+  add(collision_figure(series, names));
+  return groups;
 }
 
 }  // namespace grainlaw::report

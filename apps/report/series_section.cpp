@@ -19,39 +19,52 @@ Html with_interval(const FittedCoefficient& c) {
                           significant(c.interval.upper, 2)));
 }
 
-Table points_table(const calibration::ContactSeries& contacts) {
-  Table result{
-      .caption =
-          "Runs in series. <i>Ξ</i> = <i>b</i>/(<i>a</i> <i>γ̇</i>) with 95 %; lifetimes of "
-          "contacts scaled with the shear rate <i>γ̇</i> of the slice; <i>N<sub>c</sub></i>: "
-          "contacts that begin, per grain and √(<i>d</i>/<i>g</i>); <i>Z</i> = "
-          "<i>N<sub>c</sub></i> times the mean lifetime."_html,
-      .head = {"Series"_html,
-               "Run"_html,
-               "<i>k<sub>n</sub>d</i>/(<i>mg</i>)"_html,
-               "<i>Ξ</i>(<i>h</i>/4)"_html,
-               "<i>Ξ</i>(<i>h</i>/2)"_html,
-               "<i>Ξ</i>(3<i>h</i>/4)"_html,
-               "<i>γ̇ t</i><sub>mean</sub>"_html,
-               "<i>γ̇ t</i><sub>mode</sub>"_html,
-               "<i>γ̇ τ<sub>l</sub></i>"_html,
-               "<i>N<sub>c</sub></i>"_html,
-               "<i>Z</i>"_html},
-      .rows = {},
-      .text_columns = 2};
+Table ratio_table(const calibration::ContactSeries& contacts) {
+  Table result{.caption =
+                   "Rheology: <i>Ξ</i> = <i>b</i>/(<i>a</i> <i>γ̇</i>) with 95 % at three "
+                   "shares of the flowing height."_html,
+               .head = {"Series"_html,
+                        "Run"_html,
+                        "<i>k<sub>n</sub>d</i>/(<i>mg</i>)"_html,
+                        "<i>Ξ</i>(<i>h</i>/4)"_html,
+                        "<i>Ξ</i>(<i>h</i>/2)"_html,
+                        "<i>Ξ</i>(3<i>h</i>/4)"_html},
+               .rows = {},
+               .text_columns = 2};
+  for (const ContactPoint& point : contacts.points) {
+    result.rows.push_back({text(point.series),
+                           text(point.name),
+                           text(significant(point.stiffness, 3)),
+                           with_interval(point.ratio[0]),
+                           with_interval(point.ratio[1]),
+                           with_interval(point.ratio[2])});
+  }
+  return result;
+}
+
+Table lifetime_table(const calibration::ContactSeries& contacts) {
+  Table result{.caption =
+                   "Contacts: lifetimes scaled with the shear rate <i>γ̇</i> of the slice; "
+                   "<i>N<sub>c</sub></i>: contacts that begin, per grain and "
+                   "√(<i>d</i>/<i>g</i>); <i>Z</i> = <i>N<sub>c</sub></i> times the mean."_html,
+               .head = {"Run"_html,
+                        "<i>γ̇ t</i><sub>mean</sub>"_html,
+                        "<i>γ̇ t</i><sub>mode</sub>"_html,
+                        "<i>γ̇ τ<sub>l</sub></i>"_html,
+                        "<i>N<sub>c</sub></i>"_html,
+                        "<i>Z</i>"_html,
+                        "Contacts"_html},
+               .rows = {},
+               .text_columns = 1};
   for (const ContactPoint& point : contacts.points) {
     result.rows.push_back(
-        {text(point.series),
-         text(point.name),
-         text(significant(point.stiffness, 3)),
-         with_interval(point.ratio[0]),
-         with_interval(point.ratio[1]),
-         with_interval(point.ratio[2]),
-         text(with_error(point.mean)),
-         text(with_error(point.mode)),
-         text(point.tail_sampled ? with_error(point.long_lifetime) : "tail not sampled"),
+        {text(point.name),
+         text(significant(point.mean.value, 3)),
+         text(significant(point.mode.value, 3)),
+         text(point.tail_sampled ? with_error(point.long_lifetime) : "not sampled"),
          text(with_error(point.collision_rate)),
-         text(with_error(point.coordination))});
+         text(with_error(point.coordination)),
+         text(count(point.contacts))});
   }
   return result;
 }
@@ -130,10 +143,11 @@ Html left_out(const calibration::ContactSeries& contacts) {
 }  // namespace
 
 Html series_section(const SeriesReport& series,
-                    const FigureGroup& group,
+                    const std::vector<FigureGroup>& groups,
                     const Pictures& pictures) {
   const calibration::ContactSeries& contacts = series.contacts;
-  Html content = table(points_table(contacts)) + show(group, pictures);
+  Html content = table(ratio_table(contacts)) + table(lifetime_table(contacts));
+  for (const FigureGroup& group : groups) content += show(group, pictures);
   const Table laws = law_table(contacts);
   if (!laws.rows.empty()) content += table(laws);
   return section("series",

@@ -233,6 +233,7 @@ Line cost_line(const Report& report) {
 }
 
 std::vector<Line> lines(const Report& report) {
+  if (report.series) return {};  // no law
   std::vector<Line> result = {friction_line(report)};
   const auto add = [&](const std::optional<Line>& line) {
     if (line) result.push_back(*line);

@@ -39,6 +39,14 @@ void expect_state(const dem::Scene& scene, const BoxState& state) {
   EXPECT_NEAR(found.bond_number, state.bond_number, rounding * state.bond_number);
 }
 
+TEST(CampaignScenes, SeriesAreTheirScenesInTheirOrderAndFitNoLaw) {
+  const auto campaign = read_campaign(data / "campaigns/deep_stiffness/campaign.toml");
+  const auto runs = planned_runs(campaign);
+  EXPECT_EQ(names(runs), (Names{"kn2e3_theta23", "kn2e4_theta23", "kn2e5_theta23"}));
+  EXPECT_FALSE(runs[0].fitted);
+  EXPECT_EQ(parse_scene(runs[2].file.text, "x.toml").scene.name, "kn2e5_theta23");
+}
+
 TEST(CampaignScenes, EveryCombinationOfTheThreeNumbersIsARun) {
   const TemporaryDirectory directory;
   const auto runs = runs_of(directory,
