@@ -164,6 +164,7 @@ report::Report evaluate(const io::Campaign& campaign,
   }
   if (!boxes) {
     const StageClock clock(report, "error against averaging time");
+    report.left_out = leave_one_out(data.fitted());
     report.error_against_time = error_against_time(data.fitted(), data.chutes(), report.table);
   }
   report.seeds = seed_scatter(data);
