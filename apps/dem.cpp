@@ -23,6 +23,7 @@ struct Arguments {
   std::string output;
   bool allow_step = false;
   bool resume = false;
+  bool reduce = false;
   double max_wall = 0.0;              ///< [s]; 0: no limit
   double checkpoint_interval = 60.0;  ///< [s]
   std::string trajectory;             ///< time between two snapshots; empty: none
@@ -120,7 +121,32 @@ void plot_if_measured(const dem::LocalData& data, const std::string& picture) {
   }
 }
 
+/// A finished run with its frames joined: for keeping, sending, fitting anew.
+ExitCode reduce(const Arguments& arguments, const CommonOptions& options) {
+  if (arguments.resume || !arguments.trajectory.empty() || !arguments.plot.empty()) {
+    throw io::InputError("--reduce runs and draws nothing: leave out the other options but -o");
+  }
+  std::string output = arguments.output;
+  if (output.empty()) output = fs::path(arguments.scene).stem().string() + "_reduced.h5";
+  refuse_overwriting_input(output, {arguments.scene});
+  require_writable(output);
+  const io::RunRecord whole = io::read_run_record(arguments.scene);
+  io::write_reduced_data(whole, output);
+  const io::RunRecord small = io::read_run_record(output);
+  Summary summary = describe(small.data);
+  const auto add_size = [&](const char* key, const char* label, const std::string& path) {
+    summary.add(key, label, static_cast<double>(fs::file_size(path)) / 1e6, "MB");
+  };
+  add_size("size", "size", output);
+  add_size("size_before", "  before", arguments.scene);
+  summary.add("output", "local data", output);
+  summary.add("digest", "digest of the whole file", io::digest(small));
+  print(summary, options);
+  return ExitCode::answered;
+}
+
 ExitCode run(Arguments arguments, const CommonOptions& options) {
+  if (arguments.reduce) return reduce(arguments, options);
   const io::SceneFile file =
       io::read_scene(arguments.scene, {.allow_unstable_step = arguments.allow_step});
   if (options.check) {
@@ -166,13 +192,16 @@ int main(int argc, char** argv) {
                    "Runs one DEM scene and writes local data with standard errors. Checkpoints\n"
                    "are kept beside them until the run is finished.",
                    "  grainlaw dem data/scenes/chute.toml -o chute.h5\n"
-                   "  grainlaw dem data/scenes/chute.toml -o chute.h5 --max-wall 2h --resume",
+                   "  grainlaw dem data/scenes/chute.toml -o chute.h5 --max-wall 2h --resume\n"
+                   "  grainlaw dem chute.h5 --reduce -o small.h5",
                    options);
   Arguments arguments;
-  line.required("SCENE.toml", arguments.scene, "the scene");
+  line.required("SCENE.toml", arguments.scene, "the scene; with --reduce a finished run (.h5)");
   line.flag("--allow-step", arguments.allow_step, "accept a time step above the stability limit");
   line.option("-o,--output", arguments.output, "local data file (default: scene name + .h5)");
   line.flag("--resume", arguments.resume, "go on from the newest checkpoint of this output");
+  line.flag(
+      "--reduce", arguments.reduce, "write a finished run with its frames joined: far smaller");
   line.duration("--max-wall", arguments.max_wall, "stop with a checkpoint after this wall time");
   line.duration("--checkpoint-interval",
                 arguments.checkpoint_interval,

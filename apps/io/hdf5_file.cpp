@@ -173,6 +173,12 @@ void Hdf5Writer::dataset(const std::string& path,
   write_dataset(file_, path, H5T_STD_I64LE, H5T_NATIVE_INT64, values.data(), shape);
 }
 
+void Hdf5Writer::dataset(const std::string& path,
+                         std::span<const float> values,
+                         const Shape& shape) {
+  write_dataset(file_, path, H5T_IEEE_F32LE, H5T_NATIVE_FLOAT, values.data(), shape);
+}
+
 void Hdf5Writer::dataset(const std::string& path, const std::string& text) {
   const Handle type = text_type(text.size());
   write_dataset(file_, path, type, type, text.c_str(), {1});
@@ -344,7 +350,7 @@ void Hdf5Reader::read(const std::string& path,
 
 template <class T>
 std::vector<T> Hdf5Reader::space_for(const Shape& shape) const {
-  const std::size_t most = size_ / sizeof(T);
+  const std::size_t most = size_ / std::min(sizeof(T), sizeof(float));  // as it may be stored
   const std::size_t values = count(shape, most);
   check(values <= most ? 0 : -1, "a dataset larger than the file");
   return std::vector<T>(values);

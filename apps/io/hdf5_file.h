@@ -36,6 +36,7 @@ class Hdf5Writer {
   void attribute(const std::string& object, const std::string& name, const std::string& value);
   void dataset(const std::string& path, std::span<const double> values, const Shape& shape);
   void dataset(const std::string& path, std::span<const std::int64_t> values, const Shape& shape);
+  void dataset(const std::string& path, std::span<const float> values, const Shape& shape);
   void dataset(const std::string& path, const std::string& text);
   std::string bytes();  ///< the whole file
 

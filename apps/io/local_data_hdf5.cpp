@@ -20,6 +20,7 @@
 #include "apps/io/rows_hdf5.h"
 #include "apps/io/safe_write.h"
 #include "apps/io/sealed_file.h"
+#include "dem/reduced_data.h"
 
 namespace grainlaw::io {
 namespace {
@@ -141,12 +142,12 @@ SteadyWindow read_window(const Hdf5Reader& in) {
   return window;
 }
 
-void write_data(Hdf5Writer& out, const LocalData& data) {
+void write_data(Hdf5Writer& out, const LocalData& data, Precision precision) {
   write_conditions(out, data.conditions);
   write_window(out, data.window);
   write_rows(out, data);
   write_scales(out, data);
-  write_frames(out, data.frames);
+  write_frames(out, data.frames, precision);
   write_widths(out, data);
   out.group("summary");
   write_fields(out, "summary", data.summary, summary_fields);
@@ -222,19 +223,19 @@ void read_run(const Hdf5Reader& in, RunRecord& record) {
   record.cores = static_cast<int>(in.integer("run", "cores"));
 }
 
-std::string reproducible_part(const RunRecord& record) {
-  Hdf5Writer out;
+void write_reproducible(Hdf5Writer& out, const RunRecord& record) {
+  const bool is_reduced = !record.reduced_from.empty();
   write_provenance(out, record);
-  write_data(out, record.data);
+  write_data(out, record.data, is_reduced ? Precision::single : Precision::full);
   write_import(out, record);
-  return out.bytes();
+  if (!is_reduced) return;
+  out.group("reduced");
+  out.attribute("reduced", "from", record.reduced_from);
 }
 
 std::string everything(const RunRecord& record) {
   Hdf5Writer out;
-  write_provenance(out, record);
-  write_data(out, record.data);
-  write_import(out, record);
+  write_reproducible(out, record);
   write_run(out, record);
   return out.bytes();
 }
@@ -275,6 +276,13 @@ void write_imported_data(const RunRecord& record, const std::filesystem::path& p
   write(copy, path);
 }
 
+void write_reduced_data(const RunRecord& record, const std::filesystem::path& path) {
+  RunRecord copy = record;
+  copy.reduced_from = digest(record);
+  copy.data = reduced(record.data);
+  safe_write(path, seal(kind, format, everything(copy)));
+}
+
 RunRecord read_run_record(const std::filesystem::path& path) {
   const std::string bytes = read_file(path);
   const Hdf5Reader in(unseal(kind, format, bytes, path), path.string());
@@ -283,6 +291,7 @@ RunRecord read_run_record(const std::filesystem::path& path) {
   read_data(in, record.data);
   read_import(in, record);
   read_run(in, record);
+  if (in.has("reduced")) record.reduced_from = in.text("reduced", "from");
   return record;
 }
 
@@ -295,7 +304,10 @@ std::string digest(const std::filesystem::path& path) {
 }
 
 std::string digest(const RunRecord& record) {
-  return fmt::format("{:016x}", checksum(reproducible_part(record)));
+  if (!record.reduced_from.empty()) return record.reduced_from;
+  Hdf5Writer out;
+  write_reproducible(out, record);
+  return fmt::format("{:016x}", checksum(out.bytes()));
 }
 
 }  // namespace grainlaw::io

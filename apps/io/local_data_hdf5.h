@@ -33,6 +33,7 @@ struct RunRecord {
   int cores = 0;
   std::string imported_from;  ///< another program, in words; empty: a run of ours
   std::vector<ImportCheck> checks;
+  std::string reduced_from;  ///< digest of the file whose frames were joined; empty: they were not
 };
 
 /// Writes local data with the scene they belong to. The same run gives the same bytes outside the
@@ -49,12 +50,17 @@ void write_local_data(const dem::LocalData& data,
 /// The same for imported data, whose record is complete but for host, date and cores.
 void write_imported_data(const RunRecord& record, const std::filesystem::path& path);
 
+/// A record with its frames joined (dem::reduced), a small part of the size. Everything else stays,
+/// group /run included; the attribute `from` of the group /reduced is the digest of the whole file.
+void write_reduced_data(const RunRecord& record, const std::filesystem::path& path);
+
 /// Reads what write_local_data wrote, bit for bit. Throws ReadError with a sentence for a file
 /// that is foreign, cut short, changed or of a newer format.
 dem::LocalData read_local_data(const std::filesystem::path& path);
 RunRecord read_run_record(const std::filesystem::path& path);
 
-/// Hash of everything outside the group /run, 16 hexadecimal digits (--digest).
+/// Hash of everything outside the group /run, 16 hexadecimal digits; of a reduced file that of the
+/// whole one, since both are the same run.
 std::string digest(const std::filesystem::path& path);
 std::string digest(const RunRecord& record);
 

@@ -108,7 +108,8 @@ void write_moments(Hdf5Writer& out,
                    const std::string& path,
                    const std::vector<ProfileFrame>& frames,
                    std::vector<T> ProfileFrame::*list,
-                   const char* names) {
+                   const char* names,
+                   Precision precision) {
   const std::size_t bins = filled_bins(frames, list);
   std::vector<double> values;
   values.reserve(frames.size() * bins * numbers_of<T>);
@@ -117,7 +118,12 @@ void write_moments(Hdf5Writer& out,
     for (std::size_t k = 0; k < own; ++k) append_numbers(values, (frame.*list)[k]);
     values.resize(values.size() + (bins - own) * numbers_of<T>, 0.0);
   }
-  out.dataset(path, values, {frames.size(), bins, numbers_of<T>});
+  const Shape shape{frames.size(), bins, numbers_of<T>};
+  if (precision == Precision::single) {
+    out.dataset(path, std::vector<float>(values.begin(), values.end()), shape);
+  } else {
+    out.dataset(path, values, shape);
+  }
   out.attribute(path, "components", names);
   out.attribute(path, "unit", "per unit volume, in units of m, d, t");
 }
@@ -229,7 +235,7 @@ bool slides(const ProfileFrames& frames) {
   return std::ranges::any_of(frames.frames, counted);
 }
 
-void write_frames(Hdf5Writer& out, const ProfileFrames& frames) {
+void write_frames(Hdf5Writer& out, const ProfileFrames& frames, Precision precision) {
   out.group("frames");
   out.attribute("frames", "z_begin", frames.z_begin);
   out.attribute("frames", "bin_width", frames.bin_width);
@@ -250,9 +256,10 @@ void write_frames(Hdf5Writer& out, const ProfileFrames& frames) {
   }
   out.dataset("frames/samples", samples, {samples.size()});
   out.dataset("frames/bins", bins, {bins.size()});
-  write_moments(out, "frames/moments", frames.frames, &ProfileFrame::bins, moment_names);
+  write_moments(out, "frames/moments", frames.frames, &ProfileFrame::bins, moment_names, precision);
   if (slides(frames)) {
-    write_moments(out, "frames/sliding", frames.frames, &ProfileFrame::sliding, sliding_names);
+    write_moments(
+        out, "frames/sliding", frames.frames, &ProfileFrame::sliding, sliding_names, precision);
   }
 }
 

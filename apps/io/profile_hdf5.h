@@ -13,8 +13,11 @@ bool slides(const dem::ProfileFrames& frames);
 /// The attribute `kernel` of a group.
 dem::KernelShape read_kernel_shape(const Hdf5Reader& in, const std::string& group);
 
+/// How many digits of the moments are stored. Single is exact for those of reduced data.
+enum class Precision { single, full };
+
 /// Group /frames: the moments of every bin over time.
-void write_frames(Hdf5Writer& out, const dem::ProfileFrames& frames);
+void write_frames(Hdf5Writer& out, const dem::ProfileFrames& frames, Precision precision);
 dem::ProfileFrames read_frames(const Hdf5Reader& in);
 
 /// Group /fields: all fields at half, once and twice the width of the kernel.
