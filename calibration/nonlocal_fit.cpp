@@ -62,6 +62,9 @@ class Model {
   const std::vector<BandPoint>& points_;
 };
 
+/// A is 0.4 to 0.9 for grains: an error above leaves it open.
+constexpr double tells_nothing = 1.0;
+
 void check(const std::vector<BandPoint>& points) {
   if (points.size() < 4) throw FitError("fewer than 4 points of velocity do not fix a band");
   for (const BandPoint& point : points)
@@ -96,6 +99,11 @@ NonlocalFit fit_nonlocal_amplitude(const continuum::RheologyTable& table,
   fit.summary = describe({"A"}, minimum, uncertainty(problem, minimum));
   fit.amplitude = std::abs(minimum.values[0]);
   fit.error = fit.summary["A"].error;
+  if (!(fit.error < tells_nothing)) {
+    throw FitError(
+        "this band does not tell the nonlocal amplitude A: tau/p is uniform in it, or nearly; a "
+        "plane shear with gravity does, and so does a box driven by a body force");
+  }
   std::vector<double> local(points.size());
   model.residuals(0.0, local);
   fit.local_chi_squared = sum_of_squares(local);

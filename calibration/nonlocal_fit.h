@@ -24,7 +24,8 @@ struct NonlocalFit {
 
 /// Least squares on the velocities, mu(I) and phi(I) held at the table: their errors are not in
 /// that of A, which also takes the points as independent. Throws FitError for fewer than 4 points,
-/// a point without a standard error, or where the fit does not converge.
+/// a point without a standard error, where the fit does not converge, or a band that does not tell
+/// A.
 NonlocalFit fit_nonlocal_amplitude(const continuum::RheologyTable& table,
                                    const continuum::ShearBandCase& band,
                                    const std::vector<BandPoint>& points);

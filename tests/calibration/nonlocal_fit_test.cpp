@@ -57,6 +57,19 @@ TEST(NonlocalFit, FindsTheAmplitudeOfABandWithinItsError) {
   EXPECT_LT(chi_squared, 21.95);
 }
 
+TEST(NonlocalFit, ABandOfUniformStressRatioDoesNotTellTheAmplitude) {
+  const ShearBandCase uniform{
+      .flow = PlaneShear{.drive = {.velocity = 0.3}, .extent = {.height = 20.0}, .load = 10.0}};
+  std::vector<BandPoint> points;
+  for (const double z : {4.0, 8.0, 12.0, 16.0}) points.push_back({z, 0.3 * z / 20.0, 0.003});
+  try {
+    fit_nonlocal_amplitude(glass_beads(), uniform, points);
+    FAIL();
+  } catch (const FitError& error) {
+    EXPECT_NE(std::string(error.what()).find("does not tell"), std::string::npos) << error.what();
+  }
+}
+
 /// Only A^2 enters, so a local band is found with an A whose square is nothing.
 TEST(NonlocalFit, FindsNoNonlocalityInALocalBand) {
   const NonlocalFit fit = fit_nonlocal_amplitude(glass_beads(), loaded_shear(), measured(0.0, 5));
