@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <filesystem>
 
 #include "apps/campaign_data.h"
@@ -113,7 +114,12 @@ void add_series_lines(Summary& summary, const calibration::ContactSeries& contac
   }
   add_law_line(summary, "Xi_lifetime", "Xi over exp(gd tau_l)", contacts.lifetime_law);
   for (const calibration::RankCorrelation& one : contacts.correlations) {
-    summary.add("rank_" + one.with, "rank correlation of Xi with " + one.with, one.value);
+    const std::string label = "rank correlation of Xi with " + one.with;
+    if (std::isfinite(one.value)) {
+      summary.add("rank_" + one.with, label, one.value);
+    } else {
+      summary.add("rank_" + one.with, label, std::string("none: too few runs, or all Xi alike"));
+    }
   }
   if (!contacts.left_out.empty()) summary.add("left_out", "left out", contacts.left_out);
 }

@@ -186,6 +186,7 @@ double rank_correlation(std::span<const double> x, std::span<const double> y) {
     aa += (a[k] - mean) * (a[k] - mean);
     bb += (b[k] - mean) * (b[k] - mean);
   }
+  if (aa == 0.0 || bb == 0.0) return std::numeric_limits<double>::quiet_NaN();  // all alike
   return ab / std::sqrt(aa * bb);
 }
 

@@ -69,7 +69,8 @@ ContactSeries contact_series(std::span<const SeriesRun> runs,
                              std::size_t distance,
                              const RatioRule& rule = {});
 
-/// Spearman's rank correlation; ties take their mean rank. NaN for fewer than 3 pairs.
+/// Spearman's rank correlation; ties take their mean rank. NaN for fewer than 3 pairs,
+/// and where one side has one value only.
 double rank_correlation(std::span<const double> x, std::span<const double> y);
 
 }  // namespace grainlaw::calibration
