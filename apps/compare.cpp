@@ -121,6 +121,16 @@ void take_notes(report::Report& report, const std::vector<std::string>& notes) {
   }
 }
 
+/// What a start from rest is held against, where frames were joined.
+void note_joined_frames(const io::RunRecord& run, report::RunComparison& compared) {
+  if (run.reduced_from.empty() || compared.start_error.empty()) return;
+  const dem::ProfileFrame& first = run.data.frames.frames.front();
+  compared.notes.push_back(
+      fmt::format("{}: a reduced file, its start is averaged over {:.3g} sqrt(d/g) at a time",
+                  run.data.name,
+                  first.end - first.begin));
+}
+
 /// Chutes against the first table fill the report; those against the others give scores only.
 void compare_chutes(const Input& input, report::Report& report) {
   for (std::size_t t = 0; t < input.tables.size(); ++t) {
@@ -129,6 +139,7 @@ void compare_chutes(const Input& input, report::Report& report) {
     for (const io::RunRecord& run : input.runs) {
       if (!is_chute(run)) continue;
       report::RunComparison compared = compare_run(run.data, table, fitted);
+      note_joined_frames(run, compared);
       report.tables[t].scores.push_back(score_of(compared));
       take_notes(report, compared.notes);
       if (t > 0) continue;

@@ -52,7 +52,7 @@ struct SineField {
   double middle() const { return affine.middle(); }
   Row4 at(const Row4& position) const {
     return affine.at(position) +
-           (sine.amplitude * std::sin(sine.wave_number * position[1])) * along_x;
+           (sine.amplitude * (std::sin(sine.wave_number * position[1]) - sine.mean)) * along_x;
   }
 };
 
@@ -179,6 +179,18 @@ Motion advance(Particles& particles,
     return particles.rotates() ? advance_in<true>(field, particles, dt, frame, begin, end)
                                : advance_in<false>(field, particles, dt, frame, begin, end);
   });
+}
+
+void balance(Dynamics& dynamics, const Particles& particles) {
+  auto* sine = std::get_if<Sine>(&dynamics.field);
+  if (!sine) return;
+  double mass = 0.0, sum = 0.0;  // in the order of the grains, whatever the threads
+  for (std::size_t i = 0; i < particles.mobile; ++i) {
+    const GrainState& grain = particles.state[i];
+    mass += 1.0 / grain.inverse_mass;
+    sum += std::sin(sine->wave_number * grain.position.y) / grain.inverse_mass;
+  }
+  sine->mean = mass > 0.0 ? sum / mass : 0.0;
 }
 
 Vec3 field_acceleration(const Dynamics& dynamics, const Vec3& position) {

@@ -12,10 +12,12 @@ struct Uniform {
   Vec3 acceleration;  ///< [length/time^2]
 };
 
-/// A force per mass along x that varies along y, F sin(k y).
+/// A force per mass along x that varies along y, F (sin(k y) - mean), the mean over the mass of the
+/// grains: grains are never spread so evenly that the sine alone would not push the whole box.
 struct Sine {
   double amplitude = 0.0;    ///< F [length/time^2]
   double wave_number = 0.0;  ///< k [1/length]
+  double mean = 0.0;         ///< of sin(k y) over the mass; see balance()
   double strain_rate = 0.0;  ///< of the height of the box [1/time]; see Affine
   double strain_rate_rate = 0.0;
   double middle = 0.0;
@@ -68,6 +70,9 @@ Motion advance(Particles& particles,
                const Frame& frame,
                std::size_t begin,
                std::size_t end);
+
+/// Takes the mean of a sine anew for grains that have moved: it gives them no momentum together.
+void balance(Dynamics& dynamics, const Particles& particles);
 
 /// Acceleration of the field at a point [length/time^2].
 Vec3 field_acceleration(const Dynamics& dynamics, const Vec3& position);

@@ -24,8 +24,11 @@ ProfileFrame joined(Frames frames) {
   return sum;
 }
 
-void append_joined(std::vector<ProfileFrame>& to, Frames frames) {
-  constexpr std::size_t most = 32;
+/// `bins`: of a frame in the end.
+void append_joined(std::vector<ProfileFrame>& to, Frames frames, std::size_t bins) {
+  constexpr std::size_t enough_frames = 32;  // for blocks and their covariances
+  constexpr std::size_t enough_bins = 2048;  // in all: 0.3 MB
+  const std::size_t most = std::max(enough_frames, enough_bins / std::max<std::size_t>(1, bins));
   const std::size_t count = std::min(most, frames.size());
   for (std::size_t k = 0; k < count; ++k) {
     const std::size_t begin = k * frames.size() / count;
@@ -82,11 +85,12 @@ LocalData reduced(LocalData data) {
   const Frames all = grid.frames;
   const Frames inside = frames_inside(grid, data.window);
   const auto before = static_cast<std::size_t>(inside.data() - all.data());
-  std::vector<ProfileFrame> frames;
-  append_joined(frames, all.first(before));
-  append_joined(frames, inside);
-  append_joined(frames, all.subspan(before + inside.size()));
   const std::size_t n = bins_to_join(grid);
+  const std::size_t bins = all.empty() ? 0 : all.front().bins.size() / n;
+  std::vector<ProfileFrame> frames;
+  append_joined(frames, all.first(before), bins);
+  append_joined(frames, inside, bins);
+  append_joined(frames, all.subspan(before + inside.size()), bins);
   for (ProfileFrame& frame : frames) {
     join_bins(frame, grid, n, data.conditions.geometry == "split_bottom");
     round_to_single(frame.bins);

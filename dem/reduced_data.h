@@ -8,7 +8,7 @@ namespace grainlaw::dem {
 /// else there is stay, and what is computed anew from the frames (blocks and covariances of fits)
 /// stays within a small part of its standard errors.
 ///  - Frames are joined to at most 32 of equally many, give or take one, inside the steady window,
-///    32 before it and 32 after it.
+///    32 before it and 32 after it; where they have few bins to more, up to 2048 bins in all.
 ///  - Neighbouring bins are joined up to half the width of the kernel: two bins a row as a rule.
 ///  - Moments are rounded to single precision (6e-8 of their value).
 LocalData reduced(LocalData data);

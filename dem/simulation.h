@@ -150,6 +150,7 @@ class Simulation : public SimulationBase {
     start_boundaries(setup_.drive, box_, particles_);
     rebuild();
     add_forces(NoRecord{});
+    balance(setup_.dynamics, particles_);
     restart_half_step(particles_, setup_.dynamics);
     open_ledger();
   }
@@ -164,6 +165,7 @@ class Simulation : public SimulationBase {
     update_neighbours();
     add_forces(record);
     control_boundaries(sums_);
+    balance(setup_.dynamics, particles_);
     book(sums_);
   }
 
@@ -177,6 +179,7 @@ class Simulation : public SimulationBase {
       if constexpr (Law::rotates) particles_.spin[i].velocity = spin(i);
     }
     setup_.dynamics.field = field;
+    balance(setup_.dynamics, particles_);
     restart_half_step(particles_, setup_.dynamics);
   }
   void set_drive(const Drive& drive) {

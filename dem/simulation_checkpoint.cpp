@@ -52,7 +52,7 @@ void for_boundary_numbers(Drive& drive, Field& field, Visit&& visit) {
   if (auto* uniform = std::get_if<Uniform>(&field)) {
     for_components(uniform->acceleration, visit);
   } else if (auto* sine = std::get_if<Sine>(&field)) {
-    visit(sine->wave_number), visit(sine->strain_rate);
+    visit(sine->wave_number), visit(sine->mean), visit(sine->strain_rate);
     visit(sine->strain_rate_rate), visit(sine->middle);
   } else if (auto* affine = std::get_if<Affine>(&field)) {
     visit(affine->strain_rate), visit(affine->strain_rate_rate), visit(affine->middle);

@@ -5,6 +5,7 @@
 
 #include <functional>
 #include <iostream>
+#include <numbers>
 
 #include "dem/run_error.h"
 #include "tests/dem/momentum.h"
@@ -30,6 +31,25 @@ TEST(Momentum, IsKeptInAPeriodicBoxOfElasticGrains) {
 
 TEST(Momentum, OfPeculiarVelocitiesIsKeptInAShearedBox) {
   expect_kept(momentum_gained(sheared_box(), 20'000));
+}
+
+/// Grains that a sine pushes to and fro under a held pressure.
+auto pushed_box() {
+  SimulationSetup setup = free_space(soft.contact_time(0.5) / 50.0);
+  setup.drive = BoxDrive{.pressure = 2.0, .gain = 0.05, .damping = 1.0};
+  setup.dynamics.field = Sine{.amplitude = 2.0, .wave_number = 0.4 * std::numbers::pi};
+  return Simulation(rough(soft, 0.5), setup, gas(5.0, 100, 1.0));
+}
+
+// Along x; along y the height takes what it wants.
+TEST(Momentum, IsKeptInABoxPushedToAndFro) {
+  auto box = pushed_box();
+  const double before = peculiar_momentum(box, 0.0).first.x;
+  for (int k = 0; k < 20'000; ++k) box.step();
+  const auto [momentum, size] = peculiar_momentum(box, 0.0);
+  EXPECT_GT(box.rebuilds(), 10);
+  EXPECT_GT(box.ledger().field_work, 0.0);
+  expect_kept(std::abs(momentum.x - before) / size);
 }
 
 // About a fixed point: sum of r x m v + I omega, I omega = 2/5 m R (R omega).

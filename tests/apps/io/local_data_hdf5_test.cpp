@@ -232,6 +232,32 @@ TEST(LocalDataHdf5, NothingIsStoredAboveTheHighestGrainAndItComesBackEmpty) {
   EXPECT_TRUE(same_frames(data, read_local_data(directory / "run.h5")));
 }
 
+TEST(LocalDataHdf5, AReducedFileIsSmallerAndSaysOfWhichItWasMade) {
+  const TemporaryDirectory directory;
+  dem::LocalData data = any_data(30, 400, 6);
+  for (dem::ProfileFrame& frame : data.frames.frames) {
+    frame.bins.assign(128, {.mass = 0.1});
+    frame.sliding.assign(128, {});
+    frame.samples = 10;
+  }
+  write_local_data(data, any_scene(), directory / "whole.h5");
+  const RunRecord whole = read_run_record(directory / "whole.h5");
+  write_reduced_data(whole, directory / "small.h5");
+  const RunRecord small = read_run_record(directory / "small.h5");
+  // 400 frames of random times before no window become 32, in half of the digits.
+  EXPECT_LT(10 * std::filesystem::file_size(directory / "small.h5"),
+            std::filesystem::file_size(directory / "whole.h5"));
+  EXPECT_EQ(small.reduced_from, digest(whole));
+  EXPECT_EQ(digest(small), digest(whole));
+  EXPECT_TRUE(same_rows(small.data, data));
+  EXPECT_TRUE(same_fields(small.data, data));
+  EXPECT_TRUE(same_bits(small.data.ring->values, data.ring->values));
+  EXPECT_EQ(small.scene_text, whole.scene_text);
+  EXPECT_EQ(small.date, whole.date);
+  write_reduced_data(small, directory / "again.h5");
+  EXPECT_EQ(read_file(directory / "again.h5"), read_file(directory / "small.h5"));
+}
+
 TEST(LocalDataHdf5, TheFileKnowsWhatMadeIt) {
   const TemporaryDirectory directory;
   SceneFile scene = any_scene();
