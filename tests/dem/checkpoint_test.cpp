@@ -110,7 +110,7 @@ TEST(Checkpoint, RestartIsExactInEveryGeometry) {
                              small_plane_shear(10.0),
                              small_force_box(),
                              small_ring()}) {
-    expect_same_path(with(scene, law, 50.0), law, 2000, 8000);
+    expect_same_path(with(scene, law, 50.0), law, 2000, 12000);
   }
 }
 
