@@ -140,7 +140,9 @@ void compare_chutes(const Input& input, report::Report& report) {
       if (!is_chute(run)) continue;
       report::RunComparison compared = compare_run(run.data, table, fitted);
       note_joined_frames(run, compared);
-      report.tables[t].scores.push_back(score_of(compared));
+      auto& scores = report.tables[t].scores;
+      scores.push_back(score_of(compared));
+      std::ranges::move(in_time_scores(compared), std::back_inserter(scores));
       take_notes(report, compared.notes);
       if (t > 0) continue;
       report.costs.push_back({"prediction " + run.data.name, compared.predict_seconds, 0.0});
@@ -170,7 +172,7 @@ void add_line(Summary& summary, const report::Score& score, std::size_t table) {
   const std::string of = table > 0 ? fmt::format(", table {}", table) : std::string();
   const bool profile = score.quantity.front() == 'u';
   const bool left_out = score.kind == calibration::SampleKind::leave_one_out;
-  const bool chute = score.flow == dem::ChuteConditions{}.geometry;
+  const bool chute = score.flow == dem::ChuteConditions{}.geometry && score.quantity == "u";
   const std::string key =
       score.run + (left_out ? " left out" : "") + (chute ? "" : " " + score.quantity) + of;
   const std::string label =
@@ -186,6 +188,29 @@ void add_line(Summary& summary, const report::Score& score, std::size_t table) {
   }
 }
 
+/// Times as such, for those who read the JSON; by the first table.
+void add_times(Summary& summary, const report::RunComparison& run) {
+  const auto add = [&](const std::string& what, const dem::Estimate& time) {
+    summary.add_estimate(run.data.name + " " + what,
+                         run.data.name + " " + what,
+                         time.value,
+                         time.error,
+                         "sqrt(d/g)");
+  };
+  for (const calibration::Stretch& stretch : run.in_time) {
+    const std::string of = ", " + std::string(calibration::name(stretch.change));
+    if (stretch.to_steady) {
+      add("time to steady" + of + ", DEM", stretch.to_steady->measured);
+      add("time to steady" + of + ", continuum", stretch.to_steady->predicted);
+    }
+    if (!stretch.stop) continue;
+    if (stretch.stop->measured) add("stopping time, DEM", *stretch.stop->measured);
+    const std::string predicted = run.data.name + " stopping time, continuum";
+    if (stretch.stop->predicted)
+      summary.add(predicted, predicted, *stretch.stop->predicted, "sqrt(d/g)");
+  }
+}
+
 void add_lines(Summary& summary, const report::Report& report) {
   const bool several = report.tables.size() > 1;
   for (std::size_t t = 0; several && t < report.tables.size(); ++t) {
@@ -196,6 +221,7 @@ void add_lines(Summary& summary, const report::Report& report) {
     for (const report::Score& score : report.tables[t].scores)
       add_line(summary, score, several ? t + 1 : 0);
   }
+  for (const report::RunComparison& run : report.runs) add_times(summary, run);
 }
 
 void add_nonlocal(Summary& summary, const report::NonlocalAmplitude& nonlocal) {

@@ -30,14 +30,18 @@ bool has_profile(const continuum::SteadyChute& steady) {
   return !steady.profile.rows.empty();
 }
 
-/// Of the start from rest, where the frames hold it.
-std::vector<double> frame_times(const dem::LocalData& data) {
-  std::vector<double> times;
-  if (!data.frames.from_rest || !data.conditions.tilts.empty()) return times;
-  for (const dem::ProfileFrame& frame : data.frames.frames) {
-    times.push_back(0.5 * (frame.begin + frame.end));
-  }
-  return times;
+/// The tilts that follow the first as the continuum takes them, with snapshots in the middle of the
+/// frames; of a steady flow at one tilt, begun in motion, the start from rest alone.
+continuum::TransientOptions history_of(const dem::LocalData& data) {
+  continuum::TransientOptions options;
+  const std::vector<dem::TiltStep> tilts = calibration::tilts_of(data);
+  if (!data.frames.from_rest && tilts.size() == 1) return options;
+  if (!data.frames.from_rest) options.inclination_before = tilts.front().inclination;
+  for (std::size_t k = 1; k < tilts.size(); ++k)
+    options.tilts.push_back({tilts[k].time, tilts[k].inclination});
+  for (const dem::ProfileFrame& frame : data.frames.frames)
+    options.output_times.push_back(0.5 * (frame.begin + frame.end));
+  return options;
 }
 
 const dem::LocalData* nearest_tilt(std::span<const dem::LocalData> runs, double inclination) {
@@ -176,6 +180,20 @@ void note_mismatch(report::RunComparison& run, const continuum::RheologyTable& t
   }
 }
 
+/// Largest difference of a profile from the steady quadrature, over the surface velocity.
+double solver_difference(const continuum::RheologyTable& table,
+                         const continuum::ChuteCase& chute,
+                         const continuum::Profile& profile) {
+  // Many rows: the comparison shall see the solvers, not the interpolation between rows.
+  const continuum::Profile steady = continuum::steady_chute(table, chute, {.rows = 4001}).profile;
+  double largest = 0.0;
+  for (const continuum::ProfileRow& row : profile.rows) {
+    const double difference = calibration::velocity_at(steady, row.z) - row.velocity;
+    largest = std::max(largest, std::abs(difference) / steady.surface_velocity);
+  }
+  return largest;
+}
+
 /// The same run as if it had been stopped after a share of its averaging time.
 dem::LocalData shortened(const dem::LocalData& data, double share) {
   dem::LocalData part = data;
@@ -244,24 +262,23 @@ continuum::ChuteCase chute_case(const dem::ChuteConditions& conditions) {
   return chute;
 }
 
-Prediction predict_chute(const continuum::RheologyTable& table,
-                         const continuum::ChuteCase& chute,
-                         const std::vector<double>& output_times) {
+Prediction predict_chute(const continuum::RheologyTable& table, const dem::LocalData& data) {
   const auto start = steady_clock::now();
+  const continuum::ChuteCase chute = chute_case(data.conditions);
+  const continuum::TransientOptions history = history_of(data);
   Prediction prediction;
   prediction.steady = continuum::steady_chute(table, chute);
-  if (has_profile(prediction.steady)) {
-    continuum::add_error_band(prediction.steady, table, chute);
-    continuum::TransientOptions options;
-    options.output_times = output_times;
-    prediction.start = continuum::start_from_rest(table, chute, options);
-    // Many rows: the comparison shall see the solvers, not the interpolation between rows.
-    const continuum::Profile steady = continuum::steady_chute(table, chute, {.rows = 4001}).profile;
-    for (const continuum::ProfileRow& row : prediction.start->final_profile.rows) {
-      const double difference = calibration::velocity_at(steady, row.z) - row.velocity;
-      prediction.steady_against_transient = std::max(
-          prediction.steady_against_transient, std::abs(difference) / steady.surface_velocity);
-    }
+  const bool flows = has_profile(prediction.steady);
+  if (flows) continuum::add_error_band(prediction.steady, table, chute);
+  continuum::ChuteCase first = chute;
+  first.inclination = calibration::tilts_of(data).front().inclination;
+  const bool begins =
+      !history.inclination_before || has_profile(continuum::steady_chute(table, first));
+  if (begins && (flows || !history.tilts.empty()))
+    prediction.transient = continuum::transient_chute(table, first, history);
+  if (flows && prediction.transient) {
+    prediction.steady_against_transient =
+        solver_difference(table, chute, prediction.transient->final_profile);
   }
   prediction.wall_seconds = seconds_since(start);
   return prediction;
@@ -280,15 +297,15 @@ report::RunComparison compare_run(const dem::LocalData& data,
   report::RunComparison run;
   run.data = data;
   run.kind = kind_of(data, table, fitted);
-  Prediction prediction = predict_chute(table, chute_case(data.conditions), frame_times(data));
+  Prediction prediction = predict_chute(table, data);
   run.steady = std::move(prediction.steady);
-  run.start = std::move(prediction.start);
+  run.transient = std::move(prediction.transient);
   run.steady_against_transient = prediction.steady_against_transient;
   run.predict_seconds = prediction.wall_seconds;
   note_mismatch(run, table);
   note_band(run, table);
   run.error = error_of(data, run.steady);
-  if (run.start) run.start_error = calibration::transient_error(data, run.start->snapshots);
+  if (run.transient) run.in_time = calibration::compare_in_time(data, *run.transient);
   if (!data.window.steady) return run;
   const bool predicted = run.kind == calibration::SampleKind::interpolation ||
                          run.kind == calibration::SampleKind::extrapolation;

@@ -14,16 +14,16 @@ bool same_grains(const dem::ChuteConditions& a, const dem::ChuteConditions& b);
 /// The chute of a run as the continuum solver sees it: only what is known before the run.
 continuum::ChuteCase chute_case(const dem::ChuteConditions& conditions);
 
-/// Steady quadrature with band, and CVODE from rest at the given times.
+/// Steady quadrature with band, and CVODE through the tilts of a run.
 struct Prediction {
   continuum::SteadyChute steady;
-  std::optional<continuum::TransientChute> start;  ///< absent where no flow starts
+  std::optional<continuum::TransientChute> transient;  ///< absent where nothing moves
   double steady_against_transient = 0.0;  ///< max |u_quadrature - u_CVODE| / surface velocity
   double wall_seconds = 0.0;
 };
-Prediction predict_chute(const continuum::RheologyTable& table,
-                         const continuum::ChuteCase& chute,
-                         const std::vector<double>& output_times);
+/// Of the chute of a run: the steady flow of its last tilt, and its history from rest or, where the
+/// run began in motion, from the steady flow of its first tilt, at the middle of its frames.
+Prediction predict_chute(const continuum::RheologyTable& table, const dem::LocalData& data);
 
 /// Prediction of one run beside its data. `fitted` are the runs the table was fitted to (empty when
 /// it came from elsewhere): they tell in sample from out of sample and give the naive guess.

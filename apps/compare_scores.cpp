@@ -45,6 +45,54 @@ Score start(const report::FlowComparison& flow, const report::FlowPrediction& pr
   return score;
 }
 
+Score start(const report::RunComparison& run, const std::string& quantity) {
+  return {.run = run.data.name,
+          .flow = run.data.conditions.geometry,
+          .quantity = quantity,
+          .kind = run.kind,
+          .difference = {},
+          .in_standard_errors = nan,
+          .budget = {},
+          .remark = {}};
+}
+
+/// "tilt step", with its number where there are several.
+std::string change_of(const report::RunComparison& run, const calibration::Stretch& stretch) {
+  int all = 0, number = 0;
+  for (const calibration::Stretch& other : run.in_time) {
+    if (other.change != stretch.change) continue;
+    ++all;
+    if (other.begin <= stretch.begin) ++number;
+  }
+  const std::string name{calibration::name(stretch.change)};
+  return all > 1 ? fmt::format("{} {}", name, number) : name;
+}
+
+/// Both sides are known to a frame.
+void compare_times(Score& score, const dem::Estimate& measured, const dem::Estimate& predicted) {
+  const double ratio = predicted.value / measured.value;
+  const double error =
+      std::hypot(predicted.error, ratio * measured.error) / std::abs(measured.value);
+  score.difference = {ratio - 1.0, error};
+  score.in_standard_errors = std::abs(ratio - 1.0) / error;
+  score.remark = fmt::format("DEM {:.4g} +- {:.2g}, continuum {:.4g} sqrt(d/g)",
+                             measured.value,
+                             measured.error,
+                             predicted.value);
+}
+
+Score stop_score(const report::RunComparison& run, const calibration::StoppingTime& stop) {
+  Score score = start(run, "stopping time");
+  if (stop.measured && stop.predicted) {
+    compare_times(score, *stop.measured, {*stop.predicted, 0.0});
+  } else {
+    score.difference = {nan, nan};
+    score.remark = stop.measured ? "DEM arrested, the continuum flows on"
+                                 : "the continuum is ARRESTED, DEM flows on";
+  }
+  return score;
+}
+
 /// Root mean square over states, with that of their standard errors beside it.
 double rms_error(const std::vector<StateComparison>& states,
                  LawResidual StateComparison::*quantity) {
@@ -130,23 +178,36 @@ Score band_score(const report::FlowComparison& flow,
 }  // namespace
 
 Score score_of(const report::RunComparison& run) {
-  Score score{.run = run.data.name,
-              .flow = run.data.conditions.geometry,
-              .quantity = "u",
-              .kind = run.kind,
-              .difference = {},
-              .in_standard_errors = nan,
-              .condition_number = run.steady.answer.condition_number,
-              .budget = {},
-              .remark = std::string(continuum::name(run.steady.answer.outcome))};
+  Score score = start(run, "u");
+  score.condition_number = run.steady.answer.condition_number;
+  score.remark = std::string(continuum::name(run.steady.answer.outcome));
   const std::string flags = flags_text(run.steady.answer.out_of_domain);
   if (!flags.empty()) score.remark += "; " + flags;
-  if (!run.data.window.steady) score.remark += "; DEM not steady";
+  if (!run.data.window.steady)
+    score.remark += run.data.window.arrested_at ? "; DEM arrested" : "; DEM not steady";
   if (!run.error) return score;
   score.difference = run.error->velocity;
   score.in_standard_errors = run.error->in_standard_errors;
   score.budget = run.budget;
   return score;
+}
+
+std::vector<Score> in_time_scores(const report::RunComparison& run) {
+  std::vector<Score> scores;
+  for (const calibration::Stretch& stretch : run.in_time) {
+    if (!std::isfinite(stretch.error)) continue;
+    const std::string what = change_of(run, stretch);
+    scores.push_back(start(run, "u, " + what));
+    scores.back().difference = {stretch.error, nan};
+    if (const auto& times = stretch.to_steady) {
+      scores.push_back(start(run, "time to steady, " + what));
+      compare_times(scores.back(), times->measured, times->predicted);
+      scores.back().in_standard_errors = nan;  // fluctuations are not in the errors of the times
+      scores.back().difference.error = nan;
+    }
+    if (stretch.stop) scores.push_back(stop_score(run, *stretch.stop));
+  }
+  return scores;
 }
 
 std::vector<Score> scores_of(const report::FlowComparison& flow, std::size_t table) {

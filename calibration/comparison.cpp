@@ -153,42 +153,6 @@ double relative_norm(const std::vector<LocalRow>& rows, Part part) {
   return norm > 0.0 ? std::sqrt(sum / norm) : nan;
 }
 
-/// Velocity averaged over all flowing mass; the mass below the no-slip height is at rest.
-double mean_velocity(const Profile& profile, double mass_per_area) {
-  double momentum = 0.0;
-  for (std::size_t k = 0; k + 1 < profile.rows.size(); ++k) {
-    const ProfileRow& low = profile.rows[k];
-    const ProfileRow& high = profile.rows[k + 1];
-    momentum += 0.5 * (low.velocity + high.velocity) * (low.mass_above - high.mass_above);
-  }
-  return momentum / mass_per_area;
-}
-
-const dem::ProfileFrame* frame_at(const dem::ProfileFrames& frames, double time) {
-  for (const dem::ProfileFrame& frame : frames.frames) {
-    if (frame.begin <= time && time < frame.end) return &frame;
-  }
-  return nullptr;
-}
-
-/// L2 distance of the velocities of one frame from a profile over the L2 of the steady profile.
-double frame_error(const dem::LocalData& measured,
-                   const std::vector<std::size_t>& chosen,
-                   const dem::ProfileFrame& frame,
-                   const Profile& predicted) {
-  const std::vector<double> velocity = dem::velocities(frame, measured.frames.bins_per_row);
-  double difference = 0.0, norm = 0.0;
-  for (const std::size_t k : chosen) {
-    const LocalRow& row = measured.rows[k];
-    norm += row.velocity.value * row.velocity.value;
-    const auto bin = static_cast<std::size_t>(
-        std::floor((row.z - measured.frames.z_begin) / measured.frames.row_width()));
-    if (bin >= velocity.size() || !std::isfinite(velocity[bin])) continue;
-    difference += std::pow(velocity_at(predicted, row.z) - velocity[bin], 2);
-  }
-  return norm > 0.0 ? std::sqrt(difference / norm) : nan;
-}
-
 }  // namespace
 
 std::string_view name(SampleKind kind) {
@@ -353,22 +317,6 @@ Profile naive_guess(const dem::LocalData& nearest, const dem::ChuteConditions& t
   guess.surface_velocity = guess.rows.back().velocity;
   for (const ProfileRow& row : guess.rows) guess.flux += row.volume_fraction * row.velocity * width;
   return guess;
-}
-
-std::vector<TransientError> transient_error(const dem::LocalData& measured,
-                                            const std::vector<continuum::Snapshot>& predicted) {
-  const std::vector<std::size_t> chosen = compared_rows(measured.rows);
-  std::vector<TransientError> errors;
-  for (const continuum::Snapshot& snapshot : predicted) {
-    const dem::ProfileFrame* frame = frame_at(measured.frames, snapshot.time);
-    if (frame == nullptr) continue;
-    errors.push_back(
-        {.time = snapshot.time,
-         .measured_mean = dem::mean_velocity(*frame),
-         .predicted_mean = mean_velocity(snapshot.profile, measured.conditions.mass_per_area),
-         .velocity_error = frame_error(measured, chosen, *frame, snapshot.profile)});
-  }
-  return errors;
 }
 
 }  // namespace grainlaw::calibration

@@ -109,18 +109,4 @@ dem::Estimate propagated(const continuum::RheologyTable& table,
 /// with the coefficient a of the nearest tilt kept.
 continuum::Profile naive_guess(const dem::LocalData& nearest, const dem::ChuteConditions& target);
 
-/// Transient velocity profiles side by side: DEM frames against continuum snapshots.
-struct TransientError {
-  double time = 0.0;            ///< [time]
-  double measured_mean = 0.0;   ///< mass-averaged velocity, DEM [length/time]
-  double predicted_mean = 0.0;  ///< same, continuum
-  double velocity_error =
-      0.0;  ///< L2 of u(z) at this time over the L2 of the steady measured profile
-};
-
-/// One row for each snapshot whose time lies in a frame. Frames are means over time: ask for
-/// snapshots at their middle.
-std::vector<TransientError> transient_error(const dem::LocalData& measured,
-                                            const std::vector<continuum::Snapshot>& predicted);
-
 }  // namespace grainlaw::calibration

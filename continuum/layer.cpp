@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <stdexcept>
 
@@ -83,6 +84,11 @@ std::string drive_text(const Layer& layer) {
                      layer.direction * degrees(layer.inclination),
                      layer.sine / layer.cosine);
 }
+
+/// By how much tau / p elsewhere in the layer may exceed that at the base by rounding alone: tau, p
+/// and the coefficients of the curve are a few products each, half an epsilon apiece. A flow this
+/// close to the limit of the law exists at some heights and not at others.
+constexpr double stress_rounding = 16.0 * std::numeric_limits<double>::epsilon();
 
 Verdict flowing(const Layer& layer, const FlowCurve& base) {
   const double pressure = layer.pressure(layer.mass);
@@ -201,9 +207,10 @@ Verdict steady_verdict(const Layer& layer) {
     return {.outcome = Outcome::no_steady, .text = no_steady_text(layer, base)};
   if (tau <= base.yield_stress)
     return {.outcome = Outcome::arrested, .text = rest_text(layer, base), .plug_mass = layer.mass};
-  const auto relative_I = base.relative_inertial_number(tau);
+  const double largest = tau * (1.0 + stress_rounding);
+  const auto relative_I = base.relative_inertial_number(largest);
   if (!relative_I) return {.outcome = Outcome::no_steady, .text = no_steady_text(layer, base)};
-  if (*relative_I >= 1.0 || !base.scaled_rate(tau))
+  if (*relative_I >= 1.0 || !base.scaled_rate(largest))
     return {.outcome = Outcome::no_dense_state,
             .text = no_dense_state_text(layer, base, *relative_I)};
   return flowing(layer, base);

@@ -11,6 +11,8 @@ namespace grainlaw::continuum {
 namespace {
 
 constexpr int steps_over_the_layer = 1000;
+/// Ten times the error of the march: what flows with it flows on every other grid of masses too.
+constexpr double verdict_margin = 1e-8;
 
 LocalFlow flow_at(const Layer& layer, double mass, double stress) {
   return std::visit(
@@ -24,8 +26,8 @@ using Sums = std::array<double, 4>;
 
 class March {
  public:
-  explicit March(const Layer& layer)
-      : layer_(layer), step_(std::sqrt(layer.mass) / steps_over_the_layer) {}
+  March(const Layer& layer, double margin)
+      : layer_(layer), step_(std::sqrt(layer.mass) / steps_over_the_layer), margin_(margin) {}
 
   WalledFlow to(std::span<const double> masses);
 
@@ -50,6 +52,7 @@ class March {
 
   const Layer& layer_;
   double step_;
+  double margin_;
   Part part_ = Part::plug;
   State here_;
   WalledFlow flow_;
@@ -117,7 +120,7 @@ bool March::advance(double to) {
     if (changes) change_part();
     if (part_ != Part::sheared) continue;
     const double at = mass(here_);
-    const LocalState state = flow_at(layer_, at, stress(at, here_.sums)).state;
+    const LocalState state = flow_at(layer_, at, (1.0 + margin_) * stress(at, here_.sums)).state;
     if (state == LocalState::flows || state == LocalState::rests) continue;
     flow_.worst = state;
     flow_.worst_mass = at;
@@ -169,8 +172,8 @@ Outcome outcome(const WalledFlow& flow) {
 
 }  // namespace
 
-WalledFlow walled_flow(const Layer& layer, std::span<const double> masses) {
-  return March(layer).to(masses);
+WalledFlow walled_flow(const Layer& layer, std::span<const double> masses, double margin) {
+  return March(layer, margin).to(masses);
 }
 
 Profile walled_profile(const Layer& layer, int rows) {
@@ -204,7 +207,7 @@ Verdict walled_verdict(const Layer& layer) {
     return {.outcome = Outcome::no_steady,
             .text = "softness takes all friction at the base, where the law has no answer"};
   const std::array<double, 1> base{layer.mass};
-  const WalledFlow flow = walled_flow(layer, base);
+  const WalledFlow flow = walled_flow(layer, base, verdict_margin);
   Verdict verdict{.outcome = outcome(flow), .plug_mass = flow.plug_mass};
   verdict.text = fmt::format("at {:.5g} deg between side walls tan(theta) = {:.5g}",
                              layer.direction * layer.inclination * 180.0 / std::numbers::pi,

@@ -28,10 +28,10 @@ struct WalledFlow {
 };
 
 /// `masses` ascending, from 0 to that of the layer. The march ends where the law has no steady
-/// flow.
-WalledFlow walled_flow(const Layer& layer, std::span<const double> masses);
+/// flow, judged at the stress times 1 + margin.
+WalledFlow walled_flow(const Layer& layer, std::span<const double> masses, double margin = 0.0);
 
-/// Steady profile; `flow` was made for the masses of the rows.
+/// Steady profile of a layer whose verdict is steady or plug.
 Profile walled_profile(const Layer& layer, int rows);
 
 Verdict walled_verdict(const Layer& layer);

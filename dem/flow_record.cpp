@@ -31,6 +31,13 @@ std::vector<Moments> taken(const double*& from, std::size_t count) {
   return moments;
 }
 
+/// Neither a start profile nor a given start that moves.
+bool begins_at_rest(const Scene& scene) {
+  return scene.start_profile.empty() &&
+         std::ranges::all_of(scene.start,
+                             [](const StartGrain& grain) { return grain.velocity == Vec3{}; });
+}
+
 double coordination(const ProfileFrames& frames, double begin, double mean_mass) {
   double contacts = 0.0, mass = 0.0;
   for (const ProfileFrame& frame : frames.frames) {
@@ -61,7 +68,8 @@ FlowRecord::FlowRecord(const Scene& scene, const Box& box)
                   .frames = {},
                   .bins_per_row = bins.count == 1 ? 1 : bins_per_row(m),
                   .periodic = bins.periodic,
-                  .kernel = bins.count == 1 ? Kernel{} : m.kernel};
+                  .kernel = bins.count == 1 ? Kernel{} : m.kernel,
+                  .from_rest = begins_at_rest(scene)};
   data_.summary.time_step = time_step(scene);
   data_.summary.contact_time = shortest_contact_time(scene);
 }

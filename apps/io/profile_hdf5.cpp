@@ -244,6 +244,7 @@ void write_frames(Hdf5Writer& out, const ProfileFrames& frames, Precision precis
   out.attribute("frames", "friction", std::int64_t{slides(frames)});
   out.attribute("frames", "kernel", std::string(dem::name(frames.kernel.shape)));
   out.attribute("frames", "kernel_width", frames.kernel.width);
+  if (!frames.from_rest) out.group("frames/begun_in_motion");
   for (const auto& field : frame_fields) {
     write_column(
         out, std::string("frames/") + field.name, frames.frames, field.dimension, field.member);
@@ -270,6 +271,7 @@ ProfileFrames read_frames(const Hdf5Reader& in) {
   frames.bins_per_row = read_bins_per_row(in);
   frames.periodic = in.integer("frames", "periodic") != 0;
   frames.kernel = {read_kernel_shape(in, "frames"), in.number("frames", "kernel_width")};
+  frames.from_rest = !in.has("frames/begun_in_motion");
   std::vector<ProfileFrame>& list = frames.frames;
   list.resize(length_of(in, "frames/begin"));
   for (const auto& field : frame_fields) {

@@ -14,7 +14,7 @@ Table answer_table(const Report& report) {
   Table result{.caption = {},
                .head = {"Run"_html,
                         "Steady question"_html,
-                        "Start from rest"_html,
+                        "In time"_html,
                         "In words"_html,
                         "d ln <i>I</i> / d ln <i>μ</i>"_html},
                .rows = {},
@@ -23,7 +23,7 @@ Table answer_table(const Report& report) {
     result.rows.push_back(
         {run_label(run),
          text(continuum::name(run.steady.answer.outcome)),
-         text(run.start ? continuum::name(run.start->answer.outcome) : "–"),
+         text(run.transient ? continuum::name(run.transient->answer.outcome) : "–"),
          R"(<span class="prose">)"_html + text(run.steady.answer.text) + "</span>"_html,
          condition_cell(run.steady.answer)});
   }

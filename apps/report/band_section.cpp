@@ -241,8 +241,9 @@ std::vector<Html> score_row(const Score& score) {
          {part.statistics, part.law, part.geometry, part.numerics, part.rest()})
       row.push_back(text(significant(100.0 * share, 2)));
   } else {
-    row.resize(12, text("–"));
+    row.resize(11, text("–"));
   }
+  row.push_back(text(score.remark));
   return row;
 }
 
@@ -270,7 +271,8 @@ Table score_table(const TableScores& scores) {
       .caption = text(scores.name + ": ") +
                  "differences in % of the measured. <i>u</i>: relative <i>L</i><sub>2</sub> of "
                  "the velocity, with what it is made of; rest: what the four parts leave, added "
-                 "in squares. <i>μ</i>, <i>φ</i>: the law at the measured states."_html,
+                 "in squares; over all moments of a start, a tilt step or an arrest likewise. "
+                 "<i>μ</i>, <i>φ</i>: the law at the measured states. Times: signed."_html,
       .head = {"Run"_html,
                "Flow"_html,
                "Of"_html,

@@ -110,57 +110,6 @@ Html missing_sentences(const Report& report) {
   return items.empty() ? Html{} : list(items);
 }
 
-/// The moment at which the velocity profile is furthest off.
-const calibration::TransientError& worst_moment(const RunComparison& run) {
-  return *std::max_element(
-      run.start_error.begin(), run.start_error.end(), [](const auto& a, const auto& b) {
-        return a.velocity_error < b.velocity_error;
-      });
-}
-
-/// Time after which the mean velocity stays above 95 % of its last value.
-template <class Mean>
-double arrival_time(const RunComparison& run, Mean mean) {
-  const double goal = 0.95 * mean(run.start_error.back());
-  const auto before = std::find_if(run.start_error.rbegin(),
-                                   run.start_error.rend(),
-                                   [&](const auto& m) { return mean(m) < goal; });
-  const auto after = before == run.start_error.rbegin() ? before : std::prev(before);
-  return after->time;
-}
-
-std::string time_text(const RunComparison& run, double time) {
-  return fmt::format("{:.4g}", time / scales(run.data.conditions).time);
-}
-
-Table start_table(const Report& report) {
-  Table result{.caption =
-                   "<i>t</i><sub>95</sub>: time from which the mean velocity "
-                   "stays above 95 % of its last value. Times in √(<i>d</i>/<i>g</i>)."_html,
-               .head = {"Run"_html,
-                        "Largest error of <i>u</i>(<i>z</i>, <i>t</i>) [% of steady]"_html,
-                        "at <i>t</i>"_html,
-                        "<i>t</i><sub>95</sub> DEM"_html,
-                        "<i>t</i><sub>95</sub> continuum"_html,
-                        "Steady − CVODE [relative]"_html,
-                        "CVODE steps"_html},
-               .rows = {},
-               .text_columns = 1};
-  for (const RunComparison& run : report.runs) {
-    if (run.start_error.empty() || !run.start) continue;
-    const auto measured = [](const auto& moment) { return moment.measured_mean; };
-    const auto predicted = [](const auto& moment) { return moment.predicted_mean; };
-    result.rows.push_back({run_label(run),
-                           text(significant(100.0 * worst_moment(run).velocity_error, 2)),
-                           text(time_text(run, worst_moment(run).time)),
-                           text(time_text(run, arrival_time(run, measured))),
-                           text(time_text(run, arrival_time(run, predicted))),
-                           text(significant(run.steady_against_transient, 2)),
-                           text(count(static_cast<double>(run.start->statistics.steps)))});
-  }
-  return result;
-}
-
 Html all_groups(const std::vector<FigureGroup>& groups, const Pictures& pictures) {
   Html result;
   for (const FigureGroup& group : groups) result += show(group, pictures);
@@ -222,21 +171,6 @@ Html prediction_section(const Report& report,
   return section("predictions",
                  "Steady profiles: DEM against continuum"_html,
                  content + all_groups(groups, pictures));
-}
-
-Html start_section(const Report& report,
-                   const std::vector<FigureGroup>& groups,
-                   const Pictures& pictures) {
-  const Table numbers = start_table(report);
-  const Html content =
-      numbers.rows.empty()
-          ? paragraph("No start-up was computed."_html)
-          : paragraph(
-                "Nobody fitted this: the law knows steady flow only, and the continuum starts "
-                "from rest at the density of the law. DEM values are averages over one frame "
-                "each."_html) +
-                table(numbers) + all_groups(groups, pictures);
-  return section("start", "Start-up: nobody fitted this"_html, content);
 }
 
 Html time_section(const Report& report, const FigureGroup& group, const Pictures& pictures) {

@@ -18,10 +18,11 @@ struct SeriesStyle {
 };
 
 // Shapes and dashes differ as well, so that a figure can be read without its colours.
-constexpr std::array<SeriesStyle, 4> series = {{{7, "1", colour::measured},
+constexpr std::array<SeriesStyle, 5> series = {{{7, "1", colour::measured},
                                                 {5, "(12,4)", colour::predicted},
                                                 {9, "(6,3,2,3)", colour::third},
-                                                {13, "(2,3)", colour::fourth}}};
+                                                {13, "(2,3)", colour::fourth},
+                                                {11, "(9,3,2,3,2,3)", colour::band}}};
 
 }  // namespace
 

@@ -29,7 +29,7 @@ struct FigureGroup {
 // Pictures in the order of the report. A group without data has no figures.
 FigureGroup law_figures(const Report& report);
 FigureGroup profile_figures(const RunComparison& run, std::size_t number);
-FigureGroup start_figures(const RunComparison& run, std::size_t number);
+FigureGroup in_time_figures(const RunComparison& run, std::size_t number);
 FigureGroup time_figures(const Report& report);
 std::vector<FigureGroup> series_figures(const SeriesReport& series);
 std::vector<FigureGroup> material_figures(const MaterialReport& material);
@@ -38,6 +38,9 @@ std::vector<FigureGroup> flow_figures(const Report& report);
 
 /// "24.8°, predicted (interpolation)".
 std::string run_title(const RunComparison& run);
+
+/// "start, 24°", "tilt step, 24° → 26°".
+std::string stretch_title(const calibration::Stretch& stretch);
 
 /// File name stem of a run: its number, from 1, and its name reduced to letters and digits.
 std::string file_stem(const RunComparison& run, std::size_t number);

@@ -52,7 +52,9 @@ std::vector<Part> parts_of(const Report& report, const Figures& figures, const P
   add(chutes, "predictions", "Steady profiles", [&] {
     return prediction_section(report, figures.profiles, pictures);
   });
-  add(chutes, "start", "Start-up", [&] { return start_section(report, figures.starts, pictures); });
+  add(chutes, "in-time", "In time", [&] {
+    return in_time_section(report, figures.in_time, pictures);
+  });
   add(!report.flows.empty(), "flows", "Other flows", [&] {
     return flow_section(report, figures.flows, pictures);
   });
@@ -125,7 +127,7 @@ Figures figures(const Report& report) {
   }
   for (std::size_t k = 0; k < report.runs.size(); ++k) {
     result.profiles.push_back(profile_figures(report.runs[k], k + 1));
-    result.starts.push_back(start_figures(report.runs[k], k + 1));
+    result.in_time.push_back(in_time_figures(report.runs[k], k + 1));
   }
   return result;
 }

@@ -16,6 +16,7 @@
 #include "calibration/mu_phi_fit.h"
 #include "calibration/ring_band.h"
 #include "calibration/state_comparison.h"
+#include "calibration/transient_comparison.h"
 #include "continuum/chute_1d.h"
 #include "continuum/shear_band.h"
 #include "continuum/split_bottom.h"
@@ -28,8 +29,9 @@ struct RunComparison {
   dem::LocalData data;
   calibration::SampleKind kind = calibration::SampleKind::in_sample;
   continuum::SteadyChute steady;                   ///< quadrature
-  std::optional<continuum::TransientChute> start;  ///< CVODE, from rest, at the DEM frame times
-  std::vector<calibration::TransientError> start_error;
+  /// CVODE through the tilts of the run, with snapshots at the DEM frame times.
+  std::optional<continuum::TransientChute> transient;
+  std::vector<calibration::Stretch> in_time;  ///< the two side by side, tilt by tilt
   std::optional<calibration::ProfileError> error;  ///< absent: no steady profile on one side
   double steady_against_transient = 0.0;  ///< relative max difference, quadrature against CVODE
   std::optional<calibration::ProfileError> naive_error;  ///< nearest calibration profile rescaled

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/report/flow_json.h"
+#include "apps/report/in_time_json.h"
 #include "apps/report/law_curve.h"
 #include "apps/report/material_json.h"
 #include "continuum/well_posedness.h"
@@ -19,7 +20,6 @@ json to_json(const calibration::FittedCoefficient&);
 json to_json(const calibration::FitSummary&);
 json to_json(const calibration::FlowPoint&);
 json to_json(const calibration::ProfileError&);
-json to_json(const calibration::TransientError&);
 json to_json(const calibration::BagnoldFit&);
 json to_json(const continuum::RangeFlag&);
 json to_json(const continuum::Answer&);
@@ -112,13 +112,6 @@ json to_json(const calibration::ProfileError& error) {
           {"fraction_top", error.fraction_top}};
 }
 
-json to_json(const calibration::TransientError& moment) {
-  return {{"time", moment.time},
-          {"measured_mean", moment.measured_mean},
-          {"predicted_mean", moment.predicted_mean},
-          {"velocity_error", moment.velocity_error}};
-}
-
 json to_json(const calibration::BagnoldFit& fit) {
   return {{"free_base", to_json(fit.summary)},
           {"fixed_base", to_json(fit.fixed_base_summary)},
@@ -170,11 +163,11 @@ json to_json(const continuum::SolverStatistics& statistics) {
           {"wall_seconds", statistics.wall_seconds}};
 }
 
-json to_json(const continuum::TransientChute& start) {
-  return {{"answer", to_json(start.answer)},
-          {"end_time", start.end_time},
-          {"residual", start.residual},
-          {"statistics", to_json(start.statistics)}};
+json to_json(const continuum::TransientChute& transient) {
+  return {{"answer", to_json(transient.answer)},
+          {"end_time", transient.end_time},
+          {"residual", transient.residual},
+          {"statistics", to_json(transient.statistics)}};
 }
 
 json to_json(const dem::LocalRow& row) {
@@ -240,8 +233,8 @@ json to_json(const RunComparison& run) {
           {"bagnold_error", to_json(run.own_bagnold_error)},
           {"foreign_bagnold_error", to_json(run.foreign_bagnold_error)},
           {"foreign_bagnold_source", run.foreign_bagnold_source},
-          {"start", to_json(run.start)},
-          {"start_error", to_json(run.start_error)},
+          {"transient", to_json(run.transient)},
+          {"in_time", in_time_json(run)},
           {"steady_against_transient", run.steady_against_transient},
           {"predict_seconds", run.predict_seconds},
           {"measured_rows", to_json(run.data.rows)},

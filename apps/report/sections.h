@@ -14,7 +14,7 @@ namespace grainlaw::report {
 struct Figures {
   FigureGroup law;
   std::vector<FigureGroup> profiles;  ///< per run
-  std::vector<FigureGroup> starts;    ///< per run
+  std::vector<FigureGroup> in_time;   ///< per run
   std::vector<FigureGroup> flows;     ///< of the runs that are no chutes
   FigureGroup time;
   std::vector<FigureGroup> series;
@@ -38,9 +38,9 @@ Html law_section(const Report& report, const FigureGroup& group, const Pictures&
 Html prediction_section(const Report& report,
                         const std::vector<FigureGroup>& groups,
                         const Pictures& pictures);
-Html start_section(const Report& report,
-                   const std::vector<FigureGroup>& groups,
-                   const Pictures& pictures);
+Html in_time_section(const Report& report,
+                     const std::vector<FigureGroup>& groups,
+                     const Pictures& pictures);
 Html flow_section(const Report& report,
                   const std::vector<FigureGroup>& groups,
                   const Pictures& pictures);

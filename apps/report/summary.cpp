@@ -134,19 +134,31 @@ std::optional<Line> flow_line(const Report& report) {
           R"(: see <a href="#flows">below</a>, and <a href="#scores">all errors</a>.)"_html};
 }
 
-std::optional<Line> start_line(const Report& report) {
+Html in_words(const calibration::Stretch& stretch, double time_unit) {
+  std::string words = stretch_title(stretch) + ": " + significant(100.0 * stretch.error, 2) + " %";
+  const auto& stop = stretch.stop;
+  if (stop && stop->measured && stop->predicted) {
+    words += fmt::format(", stopped after {}, predicted {}",
+                         with_error(scaled(*stop->measured, 1.0 / time_unit)),
+                         significant(*stop->predicted / time_unit, 3));
+  } else if (stop) {
+    words += stop->measured ? ", stopped, predicted to flow on" : ", flows on, predicted to stop";
+  }
+  return text(words);
+}
+
+std::optional<Line> in_time_line(const Report& report) {
   std::vector<Html> parts;
   for (const RunComparison& run : report.runs) {
-    double largest = 0.0;
-    for (const auto& moment : run.start_error) largest = std::fmax(largest, moment.velocity_error);
-    if (!(largest > 0.0)) continue;
-    parts.push_back(text(degrees(run.data.conditions.inclination) + ": " +
-                         significant(100.0 * largest, 2) + " %"));
+    for (const calibration::Stretch& stretch : run.in_time) {
+      if (std::isfinite(stretch.error))
+        parts.push_back(in_words(stretch, scales(run.data.conditions).time));
+    }
   }
   if (parts.empty()) return std::nullopt;
-  return Line{"Start from rest"_html,
-              "Nobody fitted it. Largest error of the velocity profile on the way to steady flow, "
-              "relative to the steady profile: "_html +
+  return Line{"In time"_html,
+              "Nobody fitted it. Error of the velocity profile in time (rms), relative to the "
+              "steady profile: "_html +
                   join(parts, "; "_html) + "."_html};
 }
 
@@ -248,7 +260,7 @@ std::vector<Line> lines(const Report& report) {
   add(error_line(report, SampleKind::independent, "Independent table"_html));
   add(flow_line(report));
   if (report.runs.empty()) return result;
-  add(start_line(report));
+  add(in_time_line(report));
   add(answers_line(report));
   add(range_line(report));
   add(condition_line(report));

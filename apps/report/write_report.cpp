@@ -38,7 +38,7 @@ void write_plot_file(const fs::path& path, const std::string& bytes) {
 std::vector<const FigureGroup*> all_groups(const Figures& figures) {
   std::vector<const FigureGroup*> groups = {&figures.law};
   for (const FigureGroup& group : figures.profiles) groups.push_back(&group);
-  for (const FigureGroup& group : figures.starts) groups.push_back(&group);
+  for (const FigureGroup& group : figures.in_time) groups.push_back(&group);
   for (const FigureGroup& group : figures.flows) groups.push_back(&group);
   groups.push_back(&figures.time);
   for (const FigureGroup& group : figures.series) groups.push_back(&group);

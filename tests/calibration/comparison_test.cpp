@@ -192,29 +192,6 @@ TEST(NaiveGuess, OfARunForItselfIsItsOwnProfile) {
   EXPECT_NEAR(error.flux.value, 0.0, 1e-14);
 }
 
-TEST(TransientError, CompletedStartHasNoErrorAgainstItsOwnProfile) {
-  const dem::LocalData data = local_data({.no_slip_height = 0.0});
-  const auto errors = transient_error(data, {{.time = 41.0, .profile = profile_of(data)}});
-  ASSERT_EQ(errors.size(), 1u);
-  EXPECT_EQ(errors[0].time, 41.0);
-  EXPECT_NEAR(errors[0].velocity_error, 0.0, 1e-14);
-  // Means over the same mass: bins against trapezes between their centres, which leave out half a
-  // bin at each end; the curvature of u^1.5 over a bin and those ends are below 1/40 of it.
-  EXPECT_NEAR(errors[0].predicted_mean, errors[0].measured_mean, errors[0].measured_mean / 40.0);
-}
-
-TEST(TransientError, LayerAtRestIsOffByTheWholeFlow) {
-  const dem::LocalData data = local_data({});
-  const auto errors = transient_error(data, {{.time = 41.0, .profile = profile_of(data, 0.0)}});
-  EXPECT_NEAR(errors.at(0).velocity_error, 1.0, 1e-14);
-  EXPECT_EQ(errors.at(0).predicted_mean, 0.0);
-}
-
-TEST(TransientError, TimeWithoutFrameIsSkipped) {
-  const dem::LocalData data = local_data({});
-  EXPECT_TRUE(transient_error(data, {{.time = 1e6, .profile = profile_of(data)}}).empty());
-}
-
 TEST(Calibration, BagnoldTablePredictsTheRunItWasFittedTo) {
   // Law, density, mass and base of the table are those of the run: what remains is the linear
   // interpolation between the 101 rows of the prediction, u'' h^2 / 8 with h = 0.4 and u'' = gd /

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <stdexcept>
+#include <vector>
 
 #include "tests/continuum/example_laws.h"
 
@@ -54,6 +55,44 @@ TEST(SteadyChute, JustAboveReposeHasTheShearRateOfTheClosedForm) {
     EXPECT_NEAR(steady.answer.condition_number,
                 std::tan(theta * degree) / excess * (1.0 + I / 0.7184),
                 1e-9 * steady.answer.condition_number);
+  }
+}
+
+/// The tilt and its neighbours among the numbers a computer has.
+std::vector<double> tilts_about(double inclination) {
+  std::vector<double> tilts{inclination};
+  for (int k = 0; k < 60; ++k) tilts.push_back(std::nextafter(tilts.back(), 0.0));
+  tilts.push_back(inclination);
+  for (int k = 0; k < 60; ++k) tilts.push_back(std::nextafter(tilts.back(), 1.5));
+  return tilts;
+}
+
+TEST(SteadyChute, AnswersWithinRoundingOfTheLimitsOfTheLaw) {
+  const MuPhi dilating = frictional_spheres();
+  const InertialFriction& mu = dilating.friction;
+  const double largest = mu.mu0 + mu.beta / mu.kappa;
+  const double at_I_phi =
+      inertial_friction(mu.mu0, mu.beta, mu.kappa, dilating.volume_fraction.I_phi);
+  const struct {
+    MuPhi law;
+    double friction;
+  } limits[] = {{dilating, mu.mu0},
+                {dilating, at_I_phi},
+                {dilating, largest},
+                {incompressible_spheres(), largest}};
+  for (const auto& [law, friction] : limits) {
+    for (const double mass : {0.7, 5.3, 29.0, 52.2}) {
+      for (const double inclination : tilts_about(std::atan(friction))) {
+        const ChuteCase inclined{.inclination = inclination, .mass_per_area = mass};
+        const Outcome flow = outcome(table_of(law), inclined);
+        if (friction == mu.mu0) continue;
+        ChuteCase walled = inclined;
+        walled.walls = SideWalls{.width = 10.0, .friction = 1e-12};
+        EXPECT_NO_THROW(steady_chute(table_of(law), walled)) << mass << ' ' << inclination;
+        EXPECT_NO_THROW(start_from_rest(table_of(law), inclined, {.cells = 5, .time_limit = 1.0}))
+            << name(flow);
+      }
+    }
   }
 }
 

@@ -140,7 +140,7 @@ TEST_F(WrittenReport, EveryFigureIsInThePageAndCanBeDrawnAgain) {
     ++scripts;
     EXPECT_TRUE(fs::exists(fs::path(entry.path()).replace_extension(".svg"))) << entry.path();
   }
-  // Law 2; five steady runs 3 profiles and 3 start-up figures each; error against time 3.
+  // Law 2; five steady runs 3 profiles and 3 figures in time each; error against time 3.
   EXPECT_EQ(scripts, 2u + 5u * (3u + 3u) + 3u);
   EXPECT_EQ(attributes(html, "role").size(), scripts);
   const fs::path svg = directory / "plots" / "law_friction.svg";

@@ -173,17 +173,9 @@ void add_start(report::RunComparison& run) {
     const double time = 0.5 * (frame.begin + frame.end);
     start.snapshots.push_back(
         {.time = time, .profile = predicted_profile(tilt, started(1.1 * time))});
-    double measured = 0.0;
-    for (const auto& bin : frame.bins) measured += bin.momentum[0] / bin.mass;
-    measured /= static_cast<double>(frame.bins.size());
-    const double law_ratio = velocity(fitted, tilt, 20.0) / velocity(truth, tilt, 20.0);
-    const double predicted = measured * law_ratio * started(1.1 * time) / started(time);
-    run.start_error.push_back({.time = time,
-                               .measured_mean = measured,
-                               .predicted_mean = predicted,
-                               .velocity_error = 0.03 + 0.1 * std::exp(-time / 90.0)});
   }
-  run.start = start;
+  run.in_time = calibration::compare_in_time(run.data, start);
+  run.transient = std::move(start);
 }
 
 calibration::ProfileError profile_error(double size) {
