@@ -4,7 +4,7 @@ packages_build=(
   libeigen3-dev libsundials-dev libceres-dev libhdf5-dev
   libcli11-dev libtomlplusplus-dev libfmt-dev nlohmann-json3-dev librandom123-dev
 )
-packages_test=(libgtest-dev clang-format python3-h5py parallel)
+packages_test=(libgtest-dev clang-format python3-h5py python3-pandas parallel)
 packages_all=(clang clang-tidy libomp-dev)
 
 # install_packages NAME...: installs what is missing; asks for nothing when all is there.

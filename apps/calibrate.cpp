@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 #include <filesystem>
+#include <optional>
 
 #include "apps/campaign_data.h"
 #include "apps/campaign_report.h"
@@ -13,7 +14,6 @@
 #include "apps/friction_tables.h"
 #include "apps/imported_runs.h"
 #include "apps/io/rheology_table_toml.h"
-#include "apps/material_runs.h"
 #include "apps/program.h"
 #include "apps/scene_run.h"
 
@@ -206,9 +206,29 @@ Summary write_results(const report::Report& report, Summary summary, const fs::p
   return summary;
 }
 
+/// The table that the law of shear boxes is held against, where one is given.
+std::optional<continuum::RheologyTable> reference_of(const io::Campaign& campaign,
+                                                     const Arguments& arguments) {
+  if (arguments.reference.empty()) return {};
+  if (campaign.shear_boxes.empty()) {
+    throw io::InputError(
+        "--reference goes with [[shear_boxes]]; hold runs of chutes against a table with "
+        "`grainlaw compare`");
+  }
+  continuum::RheologyTable table = io::read_table(arguments.reference);
+  if (!std::holds_alternative<continuum::MuPhi>(table.law)) {
+    throw io::InputError(
+        fmt::format("{}: holds the a and b of one tilt; a table of mu(I, p*, Bo) or phi(I, p*, Bo) "
+                    "is wanted as --reference",
+                    arguments.reference));
+  }
+  return table;
+}
+
 ExitCode run(const io::Campaign& campaign,
              const Arguments& arguments,
              const CommonOptions& options) {
+  const auto reference = reference_of(campaign, arguments);  // before hours of runs
   const fs::path directory = arguments.output;
   const DirectoryLock lock(directory);
   catch_stop_signals();
@@ -230,8 +250,9 @@ ExitCode run(const io::Campaign& campaign,
   for (const io::RunRecord& record : data.imported) add_checks(summary, record);
   report::Report report = evaluate(campaign, std::move(data), directory);
   report.command = "grainlaw calibrate " + fs::path(arguments.campaign).filename().string();
-  if (report.material && !arguments.reference.empty()) {
-    compare_with(*report.material, arguments.reference);
+  if (report.material && reference) {
+    report.material->reference = *reference;
+    report.material->reference_name = fs::path(arguments.reference).stem().string();
   }
   print(write_results(report, std::move(summary), directory), options);
   return ExitCode::answered;
@@ -257,7 +278,12 @@ ExitCode calibrate(const Arguments& arguments, const CommonOptions& options) {
   if (arguments.tables.empty() == arguments.campaign.empty()) {
     throw io::InputError("give either a CAMPAIGN.toml or --tables; --help shows examples");
   }
-  if (!arguments.tables.empty()) return fit_over_tables(arguments, options);
+  if (!arguments.tables.empty()) {
+    if (arguments.list || !arguments.from.empty() || !arguments.reference.empty()) {
+      throw io::InputError("--list, --from and --reference go with a campaign, not with --tables");
+    }
+    return fit_over_tables(arguments, options);
+  }
   if (!arguments.contact_friction.empty()) {
     throw io::InputError(
         "--contact-friction goes with --tables; a campaign has that of its grains");

@@ -176,7 +176,7 @@ void add_line(Summary& summary, const report::Score& score, std::size_t table) {
   const std::string key =
       score.run + (left_out ? " left out" : "") + (chute ? "" : " " + score.quantity) + of;
   const std::string label =
-      fmt::format("{} {} ({}){}", score.run, score.quantity, calibration::name(score.kind), of);
+      fmt::format("{} {} ({})", score.run, score.quantity, calibration::name(score.kind));
   if (std::isfinite(score.difference.value)) {
     summary.add_estimate(key,
                          label,
@@ -218,6 +218,7 @@ void add_lines(Summary& summary, const report::Report& report) {
     summary.add(number, number, report.tables[t].name);
   }
   for (std::size_t t = 0; t < report.tables.size(); ++t) {
+    if (several) summary.heading(fmt::format("table {}", t + 1));
     for (const report::Score& score : report.tables[t].scores)
       add_line(summary, score, several ? t + 1 : 0);
   }

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "apps/io/rheology_table_toml.h"
 #include "calibration/box_points.h"
 
 namespace grainlaw {
@@ -164,11 +163,6 @@ report::MaterialReport study_material(std::span<const dem::LocalData> runs,
   material.fraction_information = fraction_information(material.points, material.fit);
   material.cost = calibration::cost_of_coefficients(runs, material.points, material.fit);
   return material;
-}
-
-void compare_with(report::MaterialReport& material, const std::filesystem::path& table) {
-  material.reference = io::read_table(table);
-  material.reference_name = table.stem().string();
 }
 
 }  // namespace grainlaw

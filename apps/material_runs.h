@@ -1,6 +1,5 @@
 #pragma once
 
-#include <filesystem>
 #include <span>
 
 #include "apps/report/report.h"
@@ -12,8 +11,5 @@ namespace grainlaw {
 /// Throws calibration::FitError where no law can be fitted.
 report::MaterialReport study_material(std::span<const dem::LocalData> runs,
                                       const calibration::MaterialFitOptions& options);
-
-/// Compares the fit with a published table from now on.
-void compare_with(report::MaterialReport& material, const std::filesystem::path& table);
 
 }  // namespace grainlaw

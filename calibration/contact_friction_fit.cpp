@@ -1,5 +1,7 @@
 #include "calibration/contact_friction_fit.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -119,12 +121,60 @@ bool belongs_to_grains(const std::string& name) {
   return name != "no_slip_height" && name != "mass_below";
 }
 
-bool all_have(std::span<const continuum::RheologyTable> tables, const std::string& name) {
-  return std::all_of(tables.begin(), tables.end(), [&](const continuum::RheologyTable& table) {
-    const auto names = continuum::coefficient_names(table);
-    return std::find(names.begin(), names.end(), name) != names.end();
+bool has(const continuum::RheologyTable& table, const std::string& name) {
+  const auto names = continuum::coefficient_names(table);
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+/// Of all tables, each once.
+std::vector<std::string> names_of(std::span<const continuum::RheologyTable> tables) {
+  std::vector<std::string> names;
+  for (const continuum::RheologyTable& table : tables) {
+    for (const std::string& name : continuum::coefficient_names(table)) {
+      const bool known = std::find(names.begin(), names.end(), name) != names.end();
+      if (!known && belongs_to_grains(name)) names.push_back(name);
+    }
+  }
+  return names;
+}
+
+bool all_equal(const std::vector<dem::Estimate>& values) {
+  return std::all_of(values.begin(), values.end(), [&](const dem::Estimate& v) {
+    return v.value == values.front().value;
   });
 }
+
+std::string too_few(std::vector<double> contact_frictions, std::size_t tables) {
+  std::sort(contact_frictions.begin(), contact_frictions.end());
+  return fmt::format(
+      "{} of {} tables state it, at mu_p = {}; a curve has three coefficients and needs 4 "
+      "different mu_p",
+      contact_frictions.size(),
+      tables,
+      fmt::join(contact_frictions, ", "));
+}
+
+/// What keeps coefficients from a curve, each reason once with all it holds for.
+class Reasons {
+ public:
+  void add(const std::string& name, const std::string& reason) {
+    const auto found = std::find_if(
+        reasons_.begin(), reasons_.end(), [&](const auto& one) { return one.first == reason; });
+    if (found == reasons_.end()) {
+      reasons_.emplace_back(reason, name);
+    } else {
+      found->second += ", " + name;
+    }
+  }
+  std::vector<std::string> sentences() const {
+    std::vector<std::string> all;
+    for (const auto& [reason, names] : reasons_) all.push_back(names + ": " + reason);
+    return all;
+  }
+
+ private:
+  std::vector<std::pair<std::string, std::string>> reasons_;
+};
 
 }  // namespace
 
@@ -167,24 +217,30 @@ FrictionDependence fit_friction_dependence(const std::vector<double>& contact_fr
 }
 
 FrictionDependences fit_friction_dependences(std::span<const continuum::RheologyTable> tables) {
-  if (tables.empty()) throw FitError("the dependence on contact friction needs tables");
-  std::vector<double> contact_frictions;
-  for (const continuum::RheologyTable& table : tables) {
-    contact_frictions.push_back(table.contact_friction);
-  }
   FrictionDependences result;
-  for (const std::string& name : continuum::coefficient_names(tables.front())) {
-    if (!belongs_to_grains(name)) continue;
-    if (!all_have(tables, name)) {
-      result.left_out.push_back(name + ": not all tables have it");
-      continue;
+  Reasons reasons;
+  for (const std::string& name : names_of(tables)) {
+    std::vector<continuum::RheologyTable> having;
+    std::vector<double> contact_frictions;
+    for (const continuum::RheologyTable& table : tables) {
+      if (!has(table, name)) continue;
+      having.push_back(table);
+      contact_frictions.push_back(table.contact_friction);
     }
+    const std::vector<dem::Estimate> values = collect(having, name);
     try {
-      result.coefficients[name] = fit_friction_dependence(contact_frictions, collect(tables, name));
+      if (count_different(contact_frictions) < 4) {
+        reasons.add(name, too_few(contact_frictions, tables.size()));
+      } else if (all_equal(values)) {
+        result.constants[name] = values.front().value;
+      } else {
+        result.coefficients[name] = fit_friction_dependence(contact_frictions, values);
+      }
     } catch (const FitError& error) {
-      result.left_out.push_back(name + ": " + error.what());
+      reasons.add(name, error.what());
     }
   }
+  result.left_out = reasons.sentences();
   return result;
 }
 
@@ -196,6 +252,7 @@ continuum::RheologyTable interpolate(const FrictionDependences& curves,
   table.base.reset();
   continuum::Covariance covariance;
   for (const std::string& name : continuum::coefficient_names(table)) {
+    if (curves.constants.contains(name)) continue;
     const auto found = curves.coefficients.find(name);
     if (found == curves.coefficients.end()) {
       throw FitError("no curve in mu_p for the coefficient '" + name + "'");

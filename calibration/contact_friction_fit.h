@@ -18,7 +18,7 @@ struct FrictionDependence {
   double at_zero = 0.0;
   double scale = 0.0;             ///< mu_p0
   FitSummary summary;             ///< Q_inf, Q_0, mu_p0
-  std::vector<double> deviation;  ///< Q - fit, per table
+  std::vector<double> deviation;  ///< Q - fit, per table fitted
   double rms = 0.0;               ///< of the deviations over n - 3 degrees of freedom
   /// Largest |Q - fit to the other tables| where mu_p lies between those of others: what
   /// interpolation costs. NaN for fewer than 5 tables.
@@ -32,17 +32,18 @@ struct FrictionDependence {
 FrictionDependence fit_friction_dependence(const std::vector<double>& contact_frictions,
                                            const std::vector<dem::Estimate>& values);
 
-/// The curve of every coefficient that all tables have, by name, weighted by their covariances. A
-/// coefficient whose curve is not found is missing, with the reason in `left_out`.
+/// The curve of every coefficient, by name, through the tables that state it, weighted by their
+/// covariances. A coefficient whose curve is not found is missing, with the reason in `left_out`.
 struct FrictionDependences {
   std::map<std::string, FrictionDependence> coefficients;
+  std::map<std::string, double> constants;  ///< the same in all tables: no curve is needed
   std::vector<std::string> left_out;
 };
 FrictionDependences fit_friction_dependences(std::span<const continuum::RheologyTable> tables);
 
 /// The table of grains in between: coefficients from the curves, errors from how far the curves
-/// miss tables they were not fitted to. `like` is one of the tables they were fitted to; throws
-/// FitError where a coefficient of it has no curve.
+/// miss tables they were not fitted to. `like`: a table with the same closure and coefficients;
+/// throws FitError where one of them has neither curve nor constant.
 continuum::RheologyTable interpolate(const FrictionDependences& curves,
                                      const continuum::RheologyTable& like,
                                      double contact_friction);

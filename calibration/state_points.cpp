@@ -87,8 +87,10 @@ void require_spread(const PointSelection& selection, Quantity quantity) {
     reasons += "; " + selection.left_out[i];
   }
   if (selection.data.size() >= 2 && levels_of(selection.data).inertial_number >= 2) return;
-  throw FitError(law + " needs points at two different I at least, " +
-                 std::to_string(selection.data.size()) + " usable points are not enough" + reasons);
+  throw FitError(law + " needs points at two different I at least; usable: " +
+                 std::to_string(selection.data.size()) + " at " +
+                 std::to_string(levels_of(selection.data).inertial_number) + " different I" +
+                 reasons);
 }
 
 /// Collects the terms of a law that the data cannot know.

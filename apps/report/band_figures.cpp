@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "apps/report/figure.h"
@@ -82,11 +83,21 @@ Csv predicted_band(const FlowComparison& flow, const continuum::ShearBand& band)
   return csv;
 }
 
-/// The bulk, where differences show, not the dilute rows at a wall.
+/// Up from the dilute rows of a band, not those at a wall, to above the densest.
 std::string fraction_range(const dem::LocalData& data) {
-  const double bulk = data.rows[data.rows.size() / 2].volume_fraction.value;
-  if (!(bulk > 0.0)) return {};
-  return fmt::format("set xrange [{:.3f}:{:.3f}]\nset xtics 0.05\n", 0.75 * bulk, 1.2 * bulk);
+  double densest = 0.0;
+  for (const dem::LocalRow& row : data.rows) {
+    densest = std::max(densest, row.volume_fraction.value);
+  }
+  if (!(densest > 0.0)) return {};
+  return fmt::format("set xrange [{:.3f}:{:.3f}]\nset xtics 0.1\n", 0.65 * densest, 1.15 * densest);
+}
+
+/// Room above the plot for a key of so many entries, two in a row.
+std::string key_room(std::size_t entries) {
+  const double rows = std::ceil(static_cast<double>(entries) / 2.0);
+  const double room = std::max(46.0, 14.0 + 18.0 * rows);
+  return fmt::format("set tmargin at screen {:.3f}\n", 1.0 - room / PlotSize{}.height);
 }
 
 std::string band_script(const std::string& name,
@@ -96,7 +107,7 @@ std::string band_script(const std::string& name,
                         const std::string& column,
                         const std::string& axis,
                         const char* z) {
-  std::string result = plot_head(name) + further;
+  std::string result = plot_head(name) + key_room(predicted.size() + 1) + further;
   result +=
       fmt::format("set xlabel '{}'\nset ylabel '{{/:Italic {}}} / {{/:Italic d}}'\n", axis, z);
   result += fmt::format(

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "apps/report/figure.h"
 #include "apps/report/numbers.h"
@@ -14,8 +15,12 @@ using calibration::FrictionDependence;
 
 constexpr std::size_t curve_points = 101;
 
-/// Coefficient of each table with its standard error, 0 where none is stated.
+/// Coefficient of each table with its standard error, 0 where none is stated; NaN where the table
+/// has no such coefficient.
 dem::Estimate coefficient_of(const continuum::RheologyTable& table, const std::string& name) {
+  constexpr double none = std::numeric_limits<double>::quiet_NaN();
+  const auto stated = continuum::coefficient_names(table);
+  if (std::find(stated.begin(), stated.end(), name) == stated.end()) return {none, none};
   dem::Estimate result{continuum::coefficient(table, name), 0.0};
   if (!table.covariance) return result;
   const auto& names = table.covariance->names;

@@ -198,7 +198,7 @@ std::string law_parts(const MaterialReport& material, const Plot& plot) {
     }
     if (material.reference) {
       parts.push_back(fmt::format(
-          "'{}' using \"x\":\"{} reference\" with lines lw 0.6 dt (1,2) lc rgb '{}' notitle",
+          "'{}' using \"x\":\"{} reference\" with lines lw 1 dt (3,3) lc rgb '{}' notitle",
           file,
           plot.quantity,
           look.colour));
@@ -225,7 +225,7 @@ std::string law_parts(const MaterialReport& material, const Plot& plot) {
                                 colour::band));
   }
   if (material.reference) {
-    parts.push_back(fmt::format("keyentry with lines lw 0.6 dt (1,2) lc rgb 'black' title '{}'",
+    parts.push_back(fmt::format("keyentry with lines lw 1 dt (3,3) lc rgb 'black' title '{}'",
                                 plot_text(material.reference_name)));
   }
   return plot_of(parts);

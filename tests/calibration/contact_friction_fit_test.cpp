@@ -98,13 +98,40 @@ TEST(ContactFrictionFit, TableInBetweenCarriesTheErrorOfInterpolation) {
     table.contact_friction = contact_frictions[i];
     tables.push_back(table);
   }
-  auto curves = fit_friction_dependences(tables);
-  EXPECT_TRUE(testing::mentions(curves.left_out, "kappa"));  // zero everywhere: no curve
-  EXPECT_NE(failure([&] { interpolate(curves, tables[0], 0.15); }).find("kappa"),
-            std::string::npos);
+  const auto curves = fit_friction_dependences(tables);
+  EXPECT_TRUE(curves.left_out.empty());
+  EXPECT_EQ(curves.constants.at("kappa"), 0.0);  // zero everywhere: no curve is needed
+  const auto between = interpolate(curves, tables[0], 0.15);
+  EXPECT_NEAR(continuum::coefficient(between, "mu0"), 0.14 + 0.22 * (1.0 - std::exp(-0.75)), 1e-8);
+  EXPECT_EQ(continuum::coefficient(between, "kappa"), 0.0);
   const FrictionDependence& dense = curves.coefficients.at("phi0");
   EXPECT_GE(dense.interpolation_error, 0.001);
   EXPECT_LT(dense.interpolation_error, 0.005);
+}
+
+/// Five tables of phi, two of which state a friction law as well.
+std::vector<continuum::RheologyTable> mostly_of_phi_only() {
+  std::vector<continuum::RheologyTable> tables(5);
+  for (std::size_t i = 0; i < tables.size(); ++i) {
+    continuum::MuPhi law;
+    law.friction = {.mu0 = 0.3, .beta = 1.0};
+    law.volume_fraction = {.phi0 = phi0[2 * i], .I_phi = I_phi[2 * i]};
+    tables[i].law = law;
+    tables[i].contact_friction = contact_frictions[2 * i];
+    tables[i].has_friction = i < 2;
+  }
+  return tables;
+}
+
+TEST(ContactFrictionFit, CoefficientFollowsFromTheTablesThatStateIt) {
+  const auto tables = mostly_of_phi_only();
+  const auto curves = fit_friction_dependences(tables);
+  EXPECT_EQ(curves.coefficients.at("phi0").deviation.size(), tables.size());
+  EXPECT_TRUE(testing::mentions(curves.left_out, "mu0, beta, kappa: 2 of 5 tables"));
+  const auto between = interpolate(curves, tables.back(), 0.25);
+  EXPECT_FALSE(between.has_friction);
+  EXPECT_NE(failure([&] { interpolate(curves, tables.front(), 0.25); }).find("mu0"),
+            std::string::npos);
 }
 
 TEST(ContactFrictionFit, ThreeTablesAreTooFew) {
