@@ -94,7 +94,7 @@ FlowCurve flow_curve(const MuPhi& law, const GrainProperties& grains, double pre
   const double friction_scale = pressure * friction_factor(law, at);
   const double phi = static_volume_fraction(law, at);
   const double cohesion =
-      law.cohesion_stress ? law.cohesion_stress->factor * grains.adhesion.value_or(0.0) : 0.0;
+      law.cohesion_stress ? pressure * cohesion_friction(*law.cohesion_stress, at) : 0.0;
   return {.mobility = phi / std::sqrt(pressure),
           .yield_stress = friction_scale * law.friction.mu0 + cohesion,
           .linear = friction_scale * law.friction.beta,

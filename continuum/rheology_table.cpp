@@ -36,7 +36,11 @@ void list(Law& law, std::vector<NamedCoefficient<Value>>& out) requires
   if (auto& soft = law.softness_friction) out.push_back({"p_mu", &soft->p_mu});
   if (auto& c = law.cohesion_friction)
     out.insert(out.end(), {{"cohesion_alpha", &c->alpha}, {"cohesion_beta", &c->beta}});
-  if (auto& c = law.cohesion_stress) out.push_back({"cohesion_factor", &c->factor});
+  if (auto& c = law.cohesion_stress) {
+    out.push_back({"cohesion_factor", &c->factor});
+    if (auto& b = c->bond_exponent) out.push_back({"cohesion_bond_exponent", &*b});
+    if (auto& g = c->softness_exponent) out.push_back({"cohesion_softness_exponent", &*g});
+  }
   auto& phi = law.volume_fraction;
   out.insert(out.end(), {{"phi0", &phi.phi0}, {"I_phi", &phi.I_phi}});
   if (auto& soft = law.softness_volume_fraction) out.push_back({"p_phi", &soft->p_phi});
@@ -123,6 +127,22 @@ void validate_cohesion(const CohesionVolumeFraction& law) {
   }
 }
 
+/// Friction must not rise with depth, where Bo falls as 1/p and p* rises as p: g <= b, and g <= 1
+/// beyond Bo = 5, where Bo^b goes on as a straight line.
+void validate_cohesion(const CohesionStress& law) {
+  require_not_negative("cohesion_factor", law.factor);
+  if (law.bond_exponent) require_positive("cohesion_bond_exponent", *law.bond_exponent);
+  const double g = law.softness_exponent.value_or(0.0);
+  require_not_negative("cohesion_softness_exponent", g);
+  const double most = std::min(law.bond_exponent.value_or(1.0), 1.0);
+  if (g > most)
+    throw TableError(fmt::format(
+        "cohesion_softness_exponent = {} is above {}, the smaller of 1 and the exponent of Bo: the "
+        "yield friction of grains of one adhesion would rise with depth",
+        g,
+        most));
+}
+
 void validate_law(const GeneralisedBagnold& law, bool) {
   validate_law(law);
 }
@@ -135,7 +155,7 @@ void validate_law(const MuPhi& law, bool has_friction) {
     require_positive("cohesion_beta", c->beta);
   }
   if (const auto& c = law.cohesion_stress) {
-    require_not_negative("cohesion_factor", c->factor);
+    validate_cohesion(*c);
     if (law.cohesion_friction)
       throw TableError(
           "cohesion_friction and cohesion_stress are two laws for the same thing: give one");

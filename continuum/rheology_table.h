@@ -87,7 +87,8 @@ void validate_coefficients(const RheologyTable& table);
 /// Names of the coefficients of a table, only those that are present, in this order:
 ///   closure A: a, b, tau_c, volume_fraction;
 ///   closure B: mu0, beta, kappa (all three with friction only), exponent, p_mu, cohesion_alpha,
-///   cohesion_beta, cohesion_factor, phi0, I_phi, p_phi, p1..p4;
+///   cohesion_beta, cohesion_factor, cohesion_bond_exponent, cohesion_softness_exponent, phi0,
+///   I_phi, p_phi, p1..p4;
 ///   both: no_slip_height, mass_below. A covariance may name any subset in any order.
 std::vector<std::string> coefficient_names(const RheologyTable& table);
 

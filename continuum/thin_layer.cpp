@@ -13,7 +13,7 @@ InertialFriction friction_at_base(const MuPhi& law, const Confinement& base) {
   InertialFriction friction = law.friction;
   friction.mu0 *= factor;
   friction.beta *= factor;
-  if (law.cohesion_stress) friction.mu0 += law.cohesion_stress->factor * base.bond_number;
+  if (law.cohesion_stress) friction.mu0 += cohesion_friction(*law.cohesion_stress, base);
   return friction;
 }
 

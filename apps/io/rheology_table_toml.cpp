@@ -92,10 +92,18 @@ void read_friction_terms(InputFile& in, MuPhi& law) {
         cohesion.read<double>({"beta", "exponent", {}, positive})};
   }
   Section stress = in.optional_section("law.cohesion_stress",
-                                       "tau = c0 + mu p, c0 = factor f_a/d^2, in place of f_B");
+                                       "mu(I) f_p + factor Bo^b p*^g, in place of f_B; without "
+                                       "exponents tau = c0 + mu p, c0 = factor f_a/d^2");
   if (stress.given()) {
-    law.cohesion_stress = {
-        stress.read<double>({"factor", "c0 over the pull f_a/d^2", {}, not_negative})};
+    law.cohesion_stress = CohesionStress{
+        .factor = stress.read<double>({"factor", "c0 over the pull f_a/d^2", {}, not_negative}),
+        .bond_exponent = stress.find<double>(
+            {"bond_exponent", "b, its tangent beyond Bo = 5", {}, positive}, "1"),
+        .softness_exponent = stress.find<double>({"softness_exponent",
+                                                  "g, at most b and 1; rigid grains: no cohesion",
+                                                  {},
+                                                  not_negative},
+                                                 "0")};
   }
 }
 

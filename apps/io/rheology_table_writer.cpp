@@ -117,7 +117,12 @@ void write_friction(TomlText& out, const MuPhi& law, const std::optional<Covaria
   }
   if (const auto& cohesion = law.cohesion_stress) {
     out.section("law.cohesion_stress");
-    out.line("factor", cohesion->factor, "tau = factor f_a/d^2 + mu p");
+    const bool power = cohesion->bond_exponent || cohesion->softness_exponent;
+    out.line("factor",
+             cohesion->factor,
+             power ? "mu(I) f_p + factor Bo^b p*^g" : "tau = factor f_a/d^2 + mu p");
+    if (const auto& b = cohesion->bond_exponent) out.line("bond_exponent", *b, "b");
+    if (const auto& g = cohesion->softness_exponent) out.line("softness_exponent", *g, "g");
   }
 }
 

@@ -44,7 +44,10 @@ RheologyTable mu_phi_table(std::mt19937_64& random) {
   if (random() % 2 == 0)
     law.cohesion_friction = CohesionFriction{unit(random), unit(random)};
   else if (random() % 2 == 0)
-    law.cohesion_stress = CohesionStress{unit(random)};
+    law.cohesion_stress = CohesionStress{.factor = unit(random)};
+  if (law.cohesion_stress && random() % 2 == 0) law.cohesion_stress->bond_exponent = 1.4;
+  if (law.cohesion_stress && random() % 2 == 0)
+    law.cohesion_stress->softness_exponent = unit(random);
   if (law.softness_friction && random() % 2 == 0)
     law.softness_friction->form = SoftnessForm::linear;
   if (random() % 2 == 0) law.friction.exponent = unit(random);
