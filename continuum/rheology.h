@@ -1,8 +1,12 @@
 #pragma once
 
 #include <cmath>
+#include <memory>
 #include <optional>
+#include <type_traits>
 #include <utility>
+
+#include "continuum/monotone_curve.h"
 
 namespace grainlaw::continuum {
 
@@ -41,6 +45,7 @@ struct InertialFriction {
   S beta{};
   S kappa{};
   std::optional<S> exponent{};
+  std::shared_ptr<const MonotoneCurve> tabulated{};  ///< mu(I) itself, in place of all the others
 };
 
 /// Friction falls with softness: f_p = 1 - sqrt((1 + Bo) p* / p_mu)  (Shi et al. 2020, table 6), or
@@ -221,15 +226,19 @@ ConfinementOf<T> confinement(const GrainProperties& grains, const T& pressure) {
 template <class S, class T>
 Mixed<S, T> friction(const laws::InertialFriction<S>& law, const T& I) {
   using std::pow;
+  if (law.tabulated) return Mixed<S, T>((*law.tabulated)(I));
   if (!law.exponent) return inertial_friction(law.mu0, law.beta, law.kappa, I);
   if (!(I > 0.0)) return Mixed<S, T>(law.mu0);
   return inertial_friction(law.mu0, law.beta, law.kappa, pow(I, *law.exponent));
 }
 
-/// I at which mu(I) is mu; not positive at or below mu0.
+/// I at which mu(I) is mu; not positive at or below mu0. Of a tabulated law, which has numbers
+/// only, the last I above its range.
 template <class S, class T>
 Mixed<S, T> inertial_number_of(const laws::InertialFriction<S>& law, const T& mu) {
   using std::pow;
+  if constexpr (std::is_same_v<Mixed<S, T>, double>)
+    if (law.tabulated) return law.tabulated->inverse(mu).value_or(law.tabulated->x().back());
   const Mixed<S, T> x = inertial_number_of(law.mu0, law.beta, law.kappa, mu);
   return law.exponent && x > 0.0 ? pow(x, 1.0 / *law.exponent) : x;
 }

@@ -31,7 +31,8 @@ template <class Law, class Value>
 void list(Law& law, std::vector<NamedCoefficient<Value>>& out) requires
     std::same_as<std::remove_const_t<Law>, MuPhi> {
   auto& mu = law.friction;
-  out.insert(out.end(), {{"mu0", &mu.mu0}, {"beta", &mu.beta}, {"kappa", &mu.kappa}});
+  if (!mu.tabulated)
+    out.insert(out.end(), {{"mu0", &mu.mu0}, {"beta", &mu.beta}, {"kappa", &mu.kappa}});
   if (auto& exponent = mu.exponent) out.push_back({"exponent", &*exponent});
   if (auto& soft = law.softness_friction) out.push_back({"p_mu", &soft->p_mu});
   if (auto& c = law.cohesion_friction)
@@ -105,6 +106,7 @@ void validate_law(const GeneralisedBagnold& law) {
 }
 
 void validate_friction(const InertialFriction& law) {
+  if (law.tabulated) return;  // rises, or it would not exist
   require_not_negative("mu0", law.mu0);
   require_not_negative("beta", law.beta);  // negative: mu falls with I and the flow is ill-posed
   require_not_negative("kappa", law.kappa);
@@ -275,6 +277,16 @@ void validate_coefficients(const RheologyTable& table) {
   validate_range("p*", table.range.softness);
   validate_range("Bo", table.range.bond_number);
   if (table.covariance) validate_covariance(table, *table.covariance);
+}
+
+void require_continuous_yield(const std::variant<GeneralisedBagnold, MuPhi>& law) {
+  const auto* material = std::get_if<MuPhi>(&law);
+  const MonotoneCurve* curve = material ? material->friction.tabulated.get() : nullptr;
+  if (curve && curve->x().front() > 0.0)
+    throw TableError(
+        fmt::format("the tabulated mu(I) begins at I = {}: a flow in time starts or ends at I = 0; "
+                    "give a pair there, or ask for the steady flow only (answer = \"steady\")",
+                    curve->x().front()));
 }
 
 std::vector<std::string> coefficient_names(const RheologyTable& table) {
