@@ -105,20 +105,19 @@ TEST(V3CohesiveLinearLaw, HasTheElementaryProfileOverAPlug) {
 }
 
 /// tau = A p^e + p (mu0 + beta I), the cohesion factor Bo^b p*^g with A = factor f_a^b k_n^-g and
-/// e = 1 - b + g: gd = [(tan(theta) - mu0) P^(1/2) - A P^(e-1/2)] / beta below P_c = (A / (tan -
-/// mu0))^(1/(1-e)), where Bo must still be below 5.
+/// e = 1 - b + g: gd = [(tan(theta) - mu0) P^(1/2) - A P^(e-1/2)] / beta below P_c, A P_c^(e-1) =
+/// tan - mu0. The factor is that of P_c = f_a: Bo = 1 at the edge.
 TEST(V3CohesiveLinearLaw, HasTheElementaryProfileAlsoWithPowersOfBoAndSoftness) {
   const double phi = 0.58, mass = 29.0, mu0 = 0.3530, beta = 0.6, theta = 24 * degree;
   const double k_n = 2e4, f_a = 3.0, k = phi * std::cos(theta), drive = std::tan(theta) - mu0;
   MuPhi law = incompressible_spheres();
   law.friction = {.mu0 = mu0, .beta = beta};
   for (const auto& [b, g] : {std::pair{1.44, 0.67}, {0.9, 0.29}}) {
-    law.cohesion_stress = CohesionStress{.factor = 2.0, .bond_exponent = b, .softness_exponent = g};
+    const double e = 1.0 - b + g, A = drive * std::pow(f_a, 1.0 - e), edge = f_a / k;
+    law.cohesion_stress = CohesionStress{
+        .factor = drive * std::pow(k_n / f_a, g), .bond_exponent = b, .softness_exponent = g};
     const auto steady =
         steady_chute(table_of(law), chute(24, mass, {.stiffness = k_n, .adhesion = f_a}));
-    const double e = 1.0 - b + g, A = 2.0 * std::pow(f_a, b) * std::pow(k_n, -g);
-    const double edge = std::pow(A / drive, 1.0 / (1.0 - e)) / k;
-    ASSERT_LT(f_a / (k * edge), 5.0);
     const auto integral = [&](double y) {
       return (2.0 / 3.0 * drive * std::sqrt(k) * y * std::sqrt(y) -
               A * std::pow(k * y, e + 0.5) / (k * (e + 0.5))) /
@@ -130,11 +129,8 @@ TEST(V3CohesiveLinearLaw, HasTheElementaryProfileAlsoWithPowersOfBoAndSoftness) 
       const double exact = integral(mass / phi) - integral(std::max(edge, row.mass_above / phi));
       error.add((row.velocity - exact) / surface);
     }
-    verify("V3",
-           fmt::format("error of the profile, Bo^{:g} p*^{:g}", b, g),
-           0.0,
-           error.value(),
-           1e-12);
+    const auto name = fmt::format("error of the profile, Bo^{:g} p*^{:g}", b, g);
+    verify("V3", name, 0.0, error.value(), 1e-12);
     EXPECT_NEAR(steady.profile.plug_mass, phi * edge, 1e-12 * mass);
   }
 }
