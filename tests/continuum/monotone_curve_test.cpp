@@ -7,6 +7,7 @@
 
 #include "continuum/dual.h"
 #include "continuum/flow_curve.h"
+#include "continuum/shear_band.h"
 #include "continuum/well_posedness.h"
 #include "tests/continuum/example_laws.h"
 
@@ -155,6 +156,23 @@ TEST(TabulatedFriction, StartFromRestEndsInTheSteadyFlow) {
   EXPECT_NEAR(run.final_profile.surface_velocity, steady, 1e-4 * steady);  // grid
   const MuPhi late = tabulated({0.02, 0.9}, {0.36, 0.9}, frictional_spheres());
   EXPECT_THROW(start_from_rest(table_of(late), chute(24, 29)), TableError);
+}
+
+TEST(TabulatedFriction, ShearBandsAndSideWallsTakeTheLawItIsOf) {
+  MuPhi linear = frictional_spheres();
+  linear.friction = {.mu0 = 0.353, .beta = 0.6};
+  const RheologyTable pairs = table_of(tabulated_line(linear));
+  const PlaneShear flow{
+      .drive = {.stress = 4.5}, .extent = {.height = 60.0}, .load = 10.0, .gravity = 1.0};
+  const double band = shear_band(table_of(linear), {.flow = flow}).driving_velocity;
+  EXPECT_NEAR(shear_band(pairs, {.flow = flow}).driving_velocity, band, 1e-10 * band);
+  EXPECT_THROW(shear_band(pairs, {.flow = flow, .nonlocal_amplitude = 0.5}), TableError);
+  ChuteCase walled = chute(26, 29);
+  walled.walls = SideWalls{.width = 60.0, .friction = 0.2, .pressure_ratio = 1.0};
+  const double walls = steady_chute(table_of(linear), walled).profile.surface_velocity;
+  EXPECT_GT(walls, 0.0);
+  // both march in the same steps, so only the rounding of the inverse is left, 1e-15 / I
+  EXPECT_NEAR(steady_chute(pairs, walled).profile.surface_velocity, walls, 1e-11 * walls);
 }
 
 TEST(TabulatedFriction, HasTheCertificateOfTheLawItIsOf) {
