@@ -19,7 +19,7 @@ struct StateOf {
 using State = StateOf<double>;
 
 /// Coefficients a law can have; a fit has some of them active, the rest stay at `inactive`.
-inline constexpr std::size_t law_slots = 7;
+inline constexpr std::size_t law_slots = 8;
 template <class S>
 using Slots = std::array<S, law_slots>;
 

@@ -40,7 +40,11 @@ FrictionForm choose_family(const PointSelection& selection,
         "(4 and 5 are needed) to choose");
     return {};
   }
-  const std::vector<FrictionForm> forms = friction_forms();
+  std::vector<FrictionForm> forms = friction_forms();
+  if (levels.cohesive_softness < 2) {
+    std::erase_if(forms,
+                  [](const auto& form) { return form.cohesion == CohesionForm::additive_power; });
+  }
   std::vector<FittableLaw> laws;
   for (const FrictionForm& form : forms) laws.push_back(friction_law(form));
   // What the data cannot know is alike for all families but for the name of the term.
@@ -109,7 +113,8 @@ void add_derived(const FittableLaw& law,
                                             .upper = 1.0 / std::max(0.0, c.interval.lower),
                                             .by_profile = c.interval.by_profile}});
   }
-  if (solved.unknown(friction_slot::cohesion_exponent) < 0) return;
+  const int exponent = solved.unknown(friction_slot::cohesion_exponent);
+  if (exponent < 0 || law.slots[friction_slot::cohesion_exponent].name != "cohesion_beta") return;
   std::vector<std::size_t> linear = solved.active;
   std::erase(linear, friction_slot::cohesion_exponent);
   const SolvedLaw fit = solve_law(law, data, linear);

@@ -54,7 +54,8 @@ struct MaterialFitOptions {
 struct MaterialFit {
   continuum::RheologyTable table;
   /// mu0, beta and what the data need of kappa, exponent, p_mu, cohesion_alpha, cohesion_beta,
-  /// cohesion_factor; derived: mu_inf, I_mu, and alpha of the law linear in Bo.
+  /// cohesion_factor, cohesion_bond_exponent, cohesion_softness_exponent; derived: mu_inf, I_mu,
+  /// and alpha of the law linear in Bo.
   FitSummary friction;
   FitSummary volume_fraction;               ///< phi0 and what the data need of I_phi, p_phi, p1..p4
   std::vector<ModelScore> families;         ///< of the friction law; empty: too few p* or Bo to ask

@@ -17,6 +17,11 @@ T effective_softness(const StateOf<T>& at) {
   return (1.0 + at.bond_number) * at.softness;
 }
 
+template <class T>
+continuum::ConfinementOf<T> confinement(const StateOf<T>& at) {
+  return {effective_softness(at), at.bond_number};
+}
+
 struct FrictionModel {
   FrictionForm form;
 
@@ -27,11 +32,16 @@ struct FrictionModel {
     continuum::laws::InertialFriction<S> inertial{x[slot::mu0], x[slot::beta], x[slot::kappa], {}};
     if (form.inertial == InertialForm::power) inertial.exponent = x[slot::exponent];
     const Number mu = continuum::friction(inertial, at.inertial_number) * softness(x, at);
-    if (form.cohesion == CohesionForm::additive_stress) {
-      return mu + x[slot::cohesion] * at.bond_number;
+    if (form.cohesion == CohesionForm::factor) {
+      return mu * continuum::cohesion_friction(
+                      x[slot::cohesion], x[slot::cohesion_exponent], at.bond_number);
     }
-    return mu * continuum::cohesion_friction(
-                    x[slot::cohesion], x[slot::cohesion_exponent], at.bond_number);
+    continuum::laws::CohesionStress<S> cohesive{x[slot::cohesion], {}, {}};
+    if (form.cohesion == CohesionForm::additive_power) {
+      cohesive.bond_exponent = x[slot::cohesion_exponent];
+      cohesive.softness_exponent = x[slot::cohesion_softness];
+    }
+    return mu + continuum::cohesion_friction(cohesive, confinement(at));
   }
 
   /// f_p of the slope s = 1/sqrt(p_mu), or 1/p_mu of the linear form: smooth through s = 0, rigid
@@ -84,8 +94,33 @@ std::string words(const FrictionForm& form) {
   std::string text =
       form.inertial == InertialForm::power ? "mu0 + beta I^exponent" : "mu0 + beta I/(1 + kappa I)";
   text += form.softness == SoftnessForm::linear ? ", f_p linear" : ", f_p square root";
+  if (form.cohesion == CohesionForm::additive_power) return text + ", + factor Bo^b p*^g";
   return text + (form.cohesion == CohesionForm::factor ? ", f_B = 1 + alpha Bo^beta"
                                                        : ", tau = c0 + mu p");
+}
+
+/// Terms of the cohesion: its exponents go one at a time, all of it together.
+void add_cohesion(const FrictionForm& form, FittableLaw& law) {
+  namespace slot = friction_slot;
+  const bool factor = form.cohesion == CohesionForm::factor;
+  const bool power = form.cohesion == CohesionForm::additive_power;
+  law.slots.insert(
+      law.slots.end(),
+      {{.name = factor ? "cohesion_alpha" : "cohesion_factor", .start = 0.3},
+       {.name = power ? "cohesion_bond_exponent" : "cohesion_beta", .inactive = 1.0, .start = 1.3},
+       {.name = "cohesion_softness_exponent", .start = 0.3}});
+  law.possible.push_back(slot::cohesion);
+  if (factor || power) {
+    law.possible.push_back(slot::cohesion_exponent);
+    law.terms.push_back({.name = "exponent of Bo", .slots = {slot::cohesion_exponent}});
+  }
+  if (power) {
+    law.possible.push_back(slot::cohesion_softness);
+    law.terms.push_back({.name = "exponent of p* (cohesion)", .slots = {slot::cohesion_softness}});
+  }
+  law.terms.push_back(
+      {.name = factor ? "f_B (cohesion)" : "c0 (cohesion)",
+       .slots = {slot::cohesion, slot::cohesion_exponent, slot::cohesion_softness}});
 }
 
 bool has(const std::vector<std::size_t>& active, std::size_t slot) {
@@ -96,7 +131,6 @@ bool has(const std::vector<std::size_t>& active, std::size_t slot) {
 
 FittableLaw friction_law(const FrictionForm& form) {
   const bool power = form.inertial == InertialForm::power;
-  const bool stress = form.cohesion == CohesionForm::additive_stress;
   FittableLaw law;
   law.name = words(form);
   law.slots = {
@@ -104,19 +138,15 @@ FittableLaw friction_law(const FrictionForm& form) {
       {.name = "beta", .start = 0.5},
       {.name = "kappa", .start = 1.0},
       {.name = "exponent", .inactive = 1.0, .start = 0.7},
-      {.name = "p_mu", .start = 1.0, .power = form.softness == SoftnessForm::linear ? -1 : -2},
-      {.name = stress ? "cohesion_factor" : "cohesion_alpha", .start = 0.3},
-      {.name = "cohesion_beta", .inactive = 1.0, .start = 1.3}};
-  law.possible = {0, 1, power ? 3u : 2u, 4, 5};
-  if (!stress) law.possible.push_back(6);
+      {.name = "p_mu", .start = 1.0, .power = form.softness == SoftnessForm::linear ? -1 : -2}};
+  law.possible = {0, 1, power ? 3u : 2u, 4};
   if (power) {
     law.terms.push_back({.name = "exponent of I", .slots = {3}});
   } else {
     law.terms.push_back({.name = "kappa", .slots = {2}});
   }
   law.terms.push_back({.name = "f_p (softness)", .slots = {4}});
-  if (!stress) law.terms.push_back({.name = "exponent of Bo", .slots = {6}});
-  law.terms.push_back({.name = stress ? "c0 (cohesion)" : "f_B (cohesion)", .slots = {5, 6}});
+  add_cohesion(form, law);
   attach(FrictionModel{form}, law);
   return law;
 }
@@ -125,7 +155,10 @@ FrictionForm form_of(const continuum::MuPhi& law) {
   FrictionForm form;
   if (law.friction.exponent) form.inertial = InertialForm::power;
   if (law.softness_friction) form.softness = law.softness_friction->form;
-  if (law.cohesion_stress) form.cohesion = CohesionForm::additive_stress;
+  if (const auto& c = law.cohesion_stress) {
+    const bool power = c->bond_exponent || c->softness_exponent;
+    form.cohesion = power ? CohesionForm::additive_power : CohesionForm::additive_stress;
+  }
   return form;
 }
 
@@ -133,7 +166,8 @@ std::vector<FrictionForm> friction_forms() {
   std::vector<FrictionForm> forms;
   for (const InertialForm inertial : {InertialForm::saturating, InertialForm::power}) {
     for (const SoftnessForm softness : {SoftnessForm::square_root, SoftnessForm::linear}) {
-      for (const CohesionForm cohesion : {CohesionForm::factor, CohesionForm::additive_stress}) {
+      for (const CohesionForm cohesion :
+           {CohesionForm::factor, CohesionForm::additive_stress, CohesionForm::additive_power}) {
         forms.push_back({inertial, softness, cohesion});
       }
     }
@@ -176,12 +210,18 @@ void set_friction(continuum::MuPhi& law,
     law.softness_friction = continuum::SoftnessFriction{.p_mu = p_mu, .form = form.softness};
   }
   if (!has(active, slot::cohesion)) return;
-  if (form.cohesion == CohesionForm::additive_stress) {
-    law.cohesion_stress = continuum::CohesionStress{.factor = x[slot::cohesion]};
-  } else {
+  if (form.cohesion == CohesionForm::factor) {
     law.cohesion_friction =
         continuum::CohesionFriction{.alpha = x[slot::cohesion], .beta = x[slot::cohesion_exponent]};
+    return;
   }
+  auto& cohesive = law.cohesion_stress.emplace();
+  cohesive.factor = x[slot::cohesion];
+  const auto exponent = [&](std::size_t at) {
+    return has(active, at) ? std::optional(x[at]) : std::nullopt;
+  };
+  cohesive.bond_exponent = exponent(slot::cohesion_exponent);
+  cohesive.softness_exponent = exponent(slot::cohesion_softness);
 }
 
 void set_volume_fraction(continuum::MuPhi& law,

@@ -9,7 +9,8 @@ namespace grainlaw::calibration {
 
 /// How the parts of mu(I, p*, Bo) may look.
 enum class InertialForm { saturating, power };  ///< mu0 + beta I/(1 + kappa I), mu0 + A I^alpha
-enum class CohesionForm { factor, additive_stress };  ///< 1 + alpha Bo^beta, or tau = c0 + mu p
+/// mu(I) f_p (1 + alpha Bo^beta), tau = c0 + mu p, or mu(I) f_p + factor Bo^b p*^g.
+enum class CohesionForm { factor, additive_stress, additive_power };
 struct FrictionForm {
   InertialForm inertial = InertialForm::saturating;
   continuum::SoftnessForm softness = continuum::SoftnessForm::square_root;
@@ -19,7 +20,7 @@ struct FrictionForm {
 /// Slots of the friction law.
 namespace friction_slot {
 inline constexpr std::size_t mu0 = 0, beta = 1, kappa = 2, exponent = 3, softness = 4, cohesion = 5,
-                             cohesion_exponent = 6;
+                             cohesion_exponent = 6, cohesion_softness = 7;
 }
 /// Slots of the volume fraction law; p1 to p4 follow each other.
 namespace fraction_slot {
@@ -33,7 +34,7 @@ FittableLaw friction_law(const FrictionForm& form);
 /// The family a law belongs to. Terms it does not have say nothing of it.
 FrictionForm form_of(const continuum::MuPhi& law);
 
-/// Every family of the friction law: 2 x 2 x 2.
+/// Every family of the friction law: 2 x 2 x 3.
 std::vector<FrictionForm> friction_forms();
 
 /// phi(I, p*, Bo) = phi0 g_I g_p g_c (Shi et al. 2020, eq. 16).

@@ -205,13 +205,14 @@ int count_levels(std::vector<double> values) {
 }
 
 Levels levels_of(const std::vector<LawDatum>& data) {
-  std::vector<double> I, p, Bo;
+  std::vector<double> I, p, Bo, cohesive;
   for (const LawDatum& datum : data) {
     I.push_back(datum.state.inertial_number);
     p.push_back(datum.state.softness);
     Bo.push_back(datum.state.bond_number);
+    if (datum.state.bond_number > 0.0) cohesive.push_back(datum.state.softness);
   }
-  return {count_levels(I), count_levels(p), count_levels(Bo)};
+  return {count_levels(I), count_levels(p), count_levels(Bo), count_levels(cohesive)};
 }
 
 /// Four values of I tell a curve from a line, three of Bo a power from a line.
@@ -224,6 +225,7 @@ std::vector<DroppedTerm> unknowable_friction(const FittableLaw& law,
   }
   result.need("f_p (softness)", levels.softness, 2, "p*");
   result.need("exponent of Bo", levels.bond_number, 3, "Bo");
+  result.need("exponent of p* (cohesion)", levels.cohesive_softness, 2, "p* at Bo > 0");
   for (const char* term : {"f_B (cohesion)", "c0 (cohesion)"}) {
     result.need(term, levels.bond_number, 2, "Bo");
   }

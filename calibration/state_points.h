@@ -35,6 +35,7 @@ struct Levels {
   int inertial_number = 0;
   int softness = 0;
   int bond_number = 0;
+  int cohesive_softness = 0;  ///< of p* where Bo > 0
 };
 Levels levels_of(const std::vector<LawDatum>& data);
 

@@ -35,22 +35,36 @@ StressResponse response(const Law& law,
 
 }  // namespace
 
+double FlowCurve::variable(double I) const {
+  return tabulated ? (*tabulated)(I)-tabulated->y().front() : std::pow(I, exponent);
+}
+
+double FlowCurve::variable_slope(double I) const {
+  return tabulated ? tabulated->slope(I) : exponent * std::pow(I, exponent) / I;
+}
+
+double FlowCurve::largest_stress() const {
+  if (tabulated) return yield_stress + linear * (tabulated->y().back() - tabulated->y().front());
+  if (quadratic > 0.0) return std::numeric_limits<double>::infinity();
+  return yield_stress + (linear > 0.0 ? linear / kappa : 0.0);  // Coulomb: none
+}
+
 double FlowCurve::viscous_stress(double q) const {
   const double size = std::abs(q);
-  if (exponent == 1.0) return q * (linear + quadratic * size) / (1.0 + saturation() * size);
-  const double x = std::pow(size / (1.0 + size / I_phi), exponent);
+  if (rational()) return q * (linear + quadratic * size) / (1.0 + saturation() * size);
+  const double x = variable(size / (1.0 + size / I_phi));
   return std::copysign(linear * x / (1.0 + kappa * x), q);
 }
 
 double FlowCurve::viscous_slope(double q) const {
   const double size = std::abs(q);
-  if (exponent == 1.0) {
+  if (rational()) {
     const double denominator = 1.0 + saturation() * size;
     return (linear + (2.0 + saturation() * size) * quadratic * size) / (denominator * denominator);
   }
   const double dilated = 1.0 + size / I_phi;  // I = q / dilated, dI/dq = 1 / dilated^2
-  const double x = std::pow(size / dilated, exponent);
-  return linear * exponent * x / (size * dilated * (1.0 + kappa * x) * (1.0 + kappa * x));
+  const double saturated = 1.0 + kappa * variable(size / dilated);
+  return linear * variable_slope(size / dilated) / (dilated * dilated * saturated * saturated);
 }
 
 std::optional<double> FlowCurve::inertial_number(double tau) const {
@@ -59,11 +73,12 @@ std::optional<double> FlowCurve::inertial_number(double tau) const {
   const double b = linear - kappa * excess;
   if (quadratic == 0.0 && b <= 0.0) return std::nullopt;
   const double x = bagnold_shear_rate(quadratic, b, excess);
+  if (tabulated) return tabulated->inverse(x + tabulated->y().front());
   return exponent == 1.0 ? x : std::pow(x, 1.0 / exponent);
 }
 
 std::optional<double> FlowCurve::scaled_rate(double tau) const {
-  if (exponent != 1.0) {
+  if (!rational()) {
     const auto I = inertial_number(tau);
     if (!I || *I >= I_phi) return std::nullopt;
     return *I / (1.0 - *I / I_phi);
@@ -93,13 +108,15 @@ FlowCurve flow_curve(const MuPhi& law, const GrainProperties& grains, double pre
   const Confinement at = confinement(grains, pressure);
   const double friction_scale = pressure * friction_factor(law, at);
   const double phi = static_volume_fraction(law, at);
+  const MonotoneCurve* curve = law.friction.tabulated.get();
   const double cohesion =
-      law.cohesion_stress ? law.cohesion_stress->factor * grains.adhesion.value_or(0.0) : 0.0;
+      law.cohesion_stress ? pressure * cohesion_friction(*law.cohesion_stress, at) : 0.0;
   return {.mobility = phi / std::sqrt(pressure),
-          .yield_stress = friction_scale * law.friction.mu0 + cohesion,
-          .linear = friction_scale * law.friction.beta,
-          .kappa = law.friction.kappa,
+          .yield_stress = friction_scale * friction(law.friction, 0.0) + cohesion,
+          .linear = friction_scale * (curve ? 1.0 : law.friction.beta),
+          .kappa = curve ? 0.0 : law.friction.kappa,
           .exponent = law.friction.exponent.value_or(1.0),
+          .tabulated = curve,
           .I_phi = law.volume_fraction.I_phi,
           .static_volume_fraction = phi};
 }

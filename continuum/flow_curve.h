@@ -15,14 +15,16 @@ namespace grainlaw::continuum {
 /// K = d sqrt(rho_p/p) rho_p phi_s, where phi_s is phi at I -> 0, the dilation phi = phi_s
 /// (1 - I/I_phi) solves in closed form, I = q / (1 + q/I_phi), and a = 0, b = p f_p f_B beta. So
 /// I < I_phi and phi > 0 hold for every q. A law in x = I^n with n other than 1 has the viscous
-/// part b x / (1 + kappa x) instead. Units d = rho_p = g = 1.
+/// part b x / (1 + kappa x) instead, and a tabulated one x = mu(I) - mu(0), b = p f_p f_B and kappa
+/// = 0. Units d = rho_p = g = 1.
 struct FlowCurve {
-  double mobility = 1.0;      ///< K
-  double yield_stress = 0.0;  ///< tau_y
-  double linear = 0.0;        ///< b
-  double quadratic = 0.0;     ///< a
-  double kappa = 0.0;         ///< of mu(I)
-  double exponent = 1.0;      ///< n
+  double mobility = 1.0;                     ///< K
+  double yield_stress = 0.0;                 ///< tau_y
+  double linear = 0.0;                       ///< b
+  double quadratic = 0.0;                    ///< a
+  double kappa = 0.0;                        ///< of mu(I)
+  double exponent = 1.0;                     ///< n
+  const MonotoneCurve* tabulated = nullptr;  ///< mu(I) of the law, which has to outlive this
   double I_phi = std::numeric_limits<double>::infinity();
   double static_volume_fraction = 0.0;  ///< phi_s
 
@@ -39,8 +41,13 @@ struct FlowCurve {
     return static_volume_fraction / (1.0 + std::abs(q) / I_phi);
   }
   double shear_rate(double q) const { return volume_fraction(q) * q / mobility; }
+  /// No I carries more; infinite where stress rises without limit.
+  double largest_stress() const;
 
  private:
+  bool rational() const { return exponent == 1.0 && !tabulated; }
+  double variable(double I) const;  ///< x
+  double variable_slope(double I) const;
   std::optional<double> inertial_number(double tau) const;
 };
 

@@ -7,10 +7,14 @@ bool inside(const std::optional<Range>& range, double value) {
   return !range || (value >= range->lower && value <= range->upper);
 }
 
-/// Towards p* = 0 softness drops out of every law, so only the upper end of its range can be left.
-bool inside(const ValidRange& range, const HomogeneousState& state) {
+/// Towards p* = 0 softness drops out of a law, so only the upper end of its range can be left;
+/// unless cohesion fades with it.
+bool inside(const ValidRange& range, const MuPhi& law, const HomogeneousState& state) {
+  const bool fades =
+      law.cohesion_stress && law.cohesion_stress->softness_exponent && state.bond_number > 0.0;
   return inside(range.inertial_number, state.inertial_number) &&
-         (!range.softness || state.softness <= range.softness->upper) &&
+         (fades ? inside(range.softness, state.softness)
+                : !range.softness || state.softness <= range.softness->upper) &&
          inside(range.bond_number, state.bond_number);
 }
 
@@ -21,7 +25,7 @@ HomogeneousState state_at(
   if (table.has_friction && friction_factor(law, at) > 0.0) state.friction = friction(law, I, at);
   if (const double phi = volume_fraction(law, I, at); phi > 0.0 && phi < 1.0)
     state.volume_fraction = phi;
-  state.in_range = inside(table.range, state);
+  state.in_range = inside(table.range, law, state);
   return state;
 }
 

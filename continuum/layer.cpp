@@ -123,10 +123,9 @@ std::string no_steady_text(const Layer& layer, const FlowCurve& base) {
         "on, where the law has no answer",
         confinement(layer.grains, pressure).softness,
         std::get<MuPhi>(layer.law).softness_friction->p_mu);
-  const double gain = base.linear > 0.0 ? base.linear / base.kappa : 0.0;  // Coulomb: none
   return fmt::format("{}, not below the largest friction {:.5g} of the law there",
                      drive_text(layer),
-                     (base.yield_stress + gain) / pressure);
+                     base.largest_stress() / pressure);
 }
 
 std::string no_dense_state_text(const Layer& layer, const FlowCurve& base, double relative_I) {
@@ -189,9 +188,9 @@ Layer make_layer(const RheologyTable& table, const ChuteCase& chute) {
 double condition_number(const Layer& layer, double tau) {
   if (!std::holds_alternative<MuPhi>(layer.law)) return 0.0;
   const FlowCurve base = layer.curve(layer.mass);
-  const double excess = tau - base.yield_stress;
-  if (excess <= 0.0) return 0.0;
-  return tau / excess * base.linear / (base.linear - base.kappa * excess);
+  const double q = base.scaled_rate(tau).value_or(0.0);
+  if (q == 0.0) return 0.0;
+  return tau / (q * (1.0 + q / base.I_phi) * base.viscous_slope(q));  // tau / (I dtau/dI)
 }
 
 bool no_friction_left(const Layer& layer) {

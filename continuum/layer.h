@@ -60,8 +60,8 @@ struct Verdict {
 
 Verdict steady_verdict(const Layer& layer);
 
-/// d ln I / d ln mu of mu(I) at the base under the stress tau there: (1 + kappa I) tau / (tau -
-/// tau_y); 0 without shear and for laws other than mu(I).
+/// d ln I / d ln mu of mu(I) at the base under the stress tau there; of the law in I itself (1 +
+/// kappa I) tau / (tau - tau_y). 0 without shear and for laws other than mu(I).
 double condition_number(const Layer& layer, double tau);
 
 /// Softness takes all friction at the base, f_p <= 0: the law has left physics.

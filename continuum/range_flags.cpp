@@ -67,11 +67,33 @@ void flag_depth(std::vector<RangeFlag>& flags, const Profile& profile) {
   flags.push_back({"depth [d]", shallowest, unbounded, profile.height, profile.height, 1.0});
 }
 
-/// Bond numbers a table covers; cohesive grains on a law without cohesion are outside at once.
+/// Cohesion that fades with p*: grains stiffer than those of the data lose it.
+bool cohesion_needs_softness(const Layer& layer) {
+  const auto* law = std::get_if<MuPhi>(&layer.law);
+  return law && layer.grains.adhesion && law->cohesion_stress &&
+         law->cohesion_stress->softness_exponent;
+}
+
+void flag_softness(std::vector<RangeFlag>& flags,
+                   const Layer& layer,
+                   const std::optional<Range>& range,
+                   const Profile& profile) {
+  const bool needed = cohesion_needs_softness(layer);
+  if (!range || !(layer.grains.stiffness || needed)) return;
+  // towards p* = 0 softness drops out of the other laws, so only the upper end can be left
+  flag(flags, "p*", {needed ? range->lower : 0.0, range->upper}, profile, [&](const auto& row) {
+    return layer.grains.stiffness ? row.pressure / *layer.grains.stiffness : 0.0;
+  });
+}
+
+/// Bond numbers a table covers; cohesive grains on a law without cohesion are outside at once, and
+/// a power of Bo without stated data is trusted up to where its guard begins.
 std::optional<Range> bond_range(const Layer& layer, const RheologyTable& table) {
   if (table.range.bond_number) return table.range.bond_number;
   const auto* law = std::get_if<MuPhi>(&layer.law);
-  if (law && !law->cohesion_friction && layer.grains.adhesion) return Range{0.0, 0.0};
+  if (!law || law->cohesion_friction || !layer.grains.adhesion) return std::nullopt;
+  if (!law->cohesion_stress) return Range{0.0, 0.0};
+  if (law->cohesion_stress->bond_exponent) return Range{0.0, largest_fitted_bond_number};
   return std::nullopt;
 }
 
@@ -85,11 +107,7 @@ std::vector<RangeFlag> range_flags(const Layer& layer,
   flag_depth(flags, profile);
   if (const auto& range = table.range.inertial_number)
     flag(flags, "I", *range, profile, [](const ProfileRow& row) { return row.inertial_number; });
-  if (const auto& range = table.range.softness; range && layer.grains.stiffness)
-    // towards p* = 0 softness drops out of every law, so only the upper end can be left
-    flag(flags, "p*", {0.0, range->upper}, profile, [&](const ProfileRow& row) {
-      return row.pressure / *layer.grains.stiffness;
-    });
+  flag_softness(flags, layer, table.range.softness, profile);
   if (const auto range = bond_range(layer, table))
     flag(flags, "Bo", *range, profile, [&](const ProfileRow& row) {
       return layer.grains.adhesion.value_or(0.0) / row.pressure;

@@ -1,8 +1,12 @@
 #pragma once
 
 #include <cmath>
+#include <memory>
 #include <optional>
+#include <type_traits>
 #include <utility>
+
+#include "continuum/monotone_curve.h"
 
 namespace grainlaw::continuum {
 
@@ -41,6 +45,7 @@ struct InertialFriction {
   S beta{};
   S kappa{};
   std::optional<S> exponent{};
+  std::shared_ptr<const MonotoneCurve> tabulated{};  ///< mu(I) itself, in place of all the others
 };
 
 /// Friction falls with softness: f_p = 1 - sqrt((1 + Bo) p* / p_mu)  (Shi et al. 2020, table 6), or
@@ -59,11 +64,16 @@ struct CohesionFriction {
   S beta{1.0};
 };
 
-/// Cohesion adds a stress that does not depend on pressure: tau = c0 + mu p, c0 = factor f_a / d^2.
-/// In place of CohesionFriction, whose beta = 1 it shares but for the viscous part.
+/// Cohesion adds a friction that does not depend on I: mu(I) f_p + factor Bo^b p*^g, in place of
+/// CohesionFriction. Without exponents b = 1 and g = 0: a stress that does not depend on pressure,
+/// tau = c0 + mu p, c0 = factor f_a / d^2. With them tau_y ~ p^(1 - b + g); beyond Bo = 5 Bo^b goes
+/// on along its tangent, so that tau_y stays finite at a free surface: 0 there for g > 0. Rigid
+/// grains, p* = 0, lose all cohesion where g > 0.
 template <class S>
 struct CohesionStress {
   S factor{};
+  std::optional<S> bond_exponent{};      ///< b
+  std::optional<S> softness_exponent{};  ///< g, at most b and 1: cohesion fades with depth
 };
 
 /// phi(I) = phi0 (1 - I / I_phi)  (Shi et al. 2020, eq. 13). I_phi infinite: constant phi.
@@ -157,15 +167,21 @@ Mixed<S, T> softness_friction(const S& p_mu, const T& softness) {
   return 1.0 - sqrt(softness / p_mu);
 }
 
-/// f_B = 1 + alpha Bo^beta up to the largest fitted Bond number, its tangent beyond.
+/// Bo^exponent up to the largest fitted Bond number, its tangent beyond.
+template <class S, class T>
+Mixed<S, T> guarded_power(const T& bond_number, const S& exponent) {
+  using std::pow;
+  if (!(bond_number > 0.0)) return Mixed<S, T>(0.0);
+  if (!(bond_number > largest_fitted_bond_number)) return pow(bond_number, exponent);
+  const S edge = S(largest_fitted_bond_number);
+  const S at_edge = pow(edge, exponent);
+  return at_edge + at_edge * exponent / edge * (bond_number - edge);
+}
+
+/// f_B = 1 + alpha Bo^beta, guarded.
 template <class S, class T>
 Mixed<S, T> cohesion_friction(const S& alpha, const S& beta, const T& bond_number) {
-  using std::pow;
-  if (!(bond_number > 0.0)) return Mixed<S, T>(1.0);
-  if (!(bond_number > largest_fitted_bond_number)) return 1.0 + alpha * pow(bond_number, beta);
-  const S edge = S(largest_fitted_bond_number);
-  const S at_edge = alpha * pow(edge, beta);
-  return 1.0 + at_edge + at_edge * beta / edge * (bond_number - edge);
+  return 1.0 + alpha * guarded_power(bond_number, beta);
 }
 
 /// phi = phi0 (1 - I / I_phi).
@@ -210,15 +226,19 @@ ConfinementOf<T> confinement(const GrainProperties& grains, const T& pressure) {
 template <class S, class T>
 Mixed<S, T> friction(const laws::InertialFriction<S>& law, const T& I) {
   using std::pow;
+  if (law.tabulated) return Mixed<S, T>((*law.tabulated)(I));
   if (!law.exponent) return inertial_friction(law.mu0, law.beta, law.kappa, I);
   if (!(I > 0.0)) return Mixed<S, T>(law.mu0);
   return inertial_friction(law.mu0, law.beta, law.kappa, pow(I, *law.exponent));
 }
 
-/// I at which mu(I) is mu; not positive at or below mu0.
+/// I at which mu(I) is mu; not positive at or below mu0. Of a tabulated law, which has numbers
+/// only, the last I above its range.
 template <class S, class T>
 Mixed<S, T> inertial_number_of(const laws::InertialFriction<S>& law, const T& mu) {
   using std::pow;
+  if constexpr (std::is_same_v<Mixed<S, T>, double>)
+    if (law.tabulated) return law.tabulated->inverse(mu).value_or(law.tabulated->x().back());
   const Mixed<S, T> x = inertial_number_of(law.mu0, law.beta, law.kappa, mu);
   return law.exponent && x > 0.0 ? pow(x, 1.0 / *law.exponent) : x;
 }
@@ -242,11 +262,26 @@ Mixed<S, T> friction_factor(const laws::MuPhi<S>& law, const ConfinementOf<T>& a
                   : soft;
 }
 
-/// mu(I, p*, Bo) = mu(I) f_p f_B, or mu(I) f_p + c0 / p.
+/// factor Bo^b p*^g.
+template <class S, class T = double>
+Mixed<S, T> cohesion_friction(const laws::CohesionStress<S>& law, const ConfinementOf<T>& at) {
+  using std::pow;
+  using Number = Mixed<S, T>;
+  if (!(at.bond_number > 0.0)) return Number(0.0);
+  const Number mu =
+      law.factor * (law.bond_exponent ? guarded_power(at.bond_number, *law.bond_exponent)
+                                      : Number(at.bond_number));
+  if (!law.softness_exponent) return mu;
+  const T softness = at.softness / (1.0 + at.bond_number);  // p*
+  if (softness > 0.0) return mu * pow(softness, *law.softness_exponent);
+  return *law.softness_exponent > 0.0 ? Number(0.0) : mu;
+}
+
+/// mu(I, p*, Bo) = mu(I) f_p f_B, or mu(I) f_p + factor Bo^b p*^g.
 template <class S, class T = double>
 Mixed<S, T> friction(const laws::MuPhi<S>& law, const T& I, const ConfinementOf<T>& at = {}) {
   const Mixed<S, T> mu = friction(law.friction, I) * friction_factor(law, at);
-  return law.cohesion_stress ? mu + law.cohesion_stress->factor * at.bond_number : mu;
+  return law.cohesion_stress ? mu + cohesion_friction(*law.cohesion_stress, at) : mu;
 }
 
 /// phi0 g_p g_c: volume fraction at I -> 0.

@@ -31,12 +31,17 @@ template <class Law, class Value>
 void list(Law& law, std::vector<NamedCoefficient<Value>>& out) requires
     std::same_as<std::remove_const_t<Law>, MuPhi> {
   auto& mu = law.friction;
-  out.insert(out.end(), {{"mu0", &mu.mu0}, {"beta", &mu.beta}, {"kappa", &mu.kappa}});
+  if (!mu.tabulated)
+    out.insert(out.end(), {{"mu0", &mu.mu0}, {"beta", &mu.beta}, {"kappa", &mu.kappa}});
   if (auto& exponent = mu.exponent) out.push_back({"exponent", &*exponent});
   if (auto& soft = law.softness_friction) out.push_back({"p_mu", &soft->p_mu});
   if (auto& c = law.cohesion_friction)
     out.insert(out.end(), {{"cohesion_alpha", &c->alpha}, {"cohesion_beta", &c->beta}});
-  if (auto& c = law.cohesion_stress) out.push_back({"cohesion_factor", &c->factor});
+  if (auto& c = law.cohesion_stress) {
+    out.push_back({"cohesion_factor", &c->factor});
+    if (auto& b = c->bond_exponent) out.push_back({"cohesion_bond_exponent", &*b});
+    if (auto& g = c->softness_exponent) out.push_back({"cohesion_softness_exponent", &*g});
+  }
   auto& phi = law.volume_fraction;
   out.insert(out.end(), {{"phi0", &phi.phi0}, {"I_phi", &phi.I_phi}});
   if (auto& soft = law.softness_volume_fraction) out.push_back({"p_phi", &soft->p_phi});
@@ -101,6 +106,7 @@ void validate_law(const GeneralisedBagnold& law) {
 }
 
 void validate_friction(const InertialFriction& law) {
+  if (law.tabulated) return;  // rises, or it would not exist
   require_not_negative("mu0", law.mu0);
   require_not_negative("beta", law.beta);  // negative: mu falls with I and the flow is ill-posed
   require_not_negative("kappa", law.kappa);
@@ -123,6 +129,22 @@ void validate_cohesion(const CohesionVolumeFraction& law) {
   }
 }
 
+/// Friction must not rise with depth, where Bo falls as 1/p and p* rises as p: g <= b, and g <= 1
+/// beyond Bo = 5, where Bo^b goes on as a straight line.
+void validate_cohesion(const CohesionStress& law) {
+  require_not_negative("cohesion_factor", law.factor);
+  if (law.bond_exponent) require_positive("cohesion_bond_exponent", *law.bond_exponent);
+  const double g = law.softness_exponent.value_or(0.0);
+  require_not_negative("cohesion_softness_exponent", g);
+  const double most = std::min(law.bond_exponent.value_or(1.0), 1.0);
+  if (g > most)
+    throw TableError(fmt::format(
+        "cohesion_softness_exponent = {} is above {}, the smaller of 1 and the exponent of Bo: the "
+        "yield friction of grains of one adhesion would rise with depth",
+        g,
+        most));
+}
+
 void validate_law(const GeneralisedBagnold& law, bool) {
   validate_law(law);
 }
@@ -135,7 +157,7 @@ void validate_law(const MuPhi& law, bool has_friction) {
     require_positive("cohesion_beta", c->beta);
   }
   if (const auto& c = law.cohesion_stress) {
-    require_not_negative("cohesion_factor", c->factor);
+    validate_cohesion(*c);
     if (law.cohesion_friction)
       throw TableError(
           "cohesion_friction and cohesion_stress are two laws for the same thing: give one");
@@ -255,6 +277,16 @@ void validate_coefficients(const RheologyTable& table) {
   validate_range("p*", table.range.softness);
   validate_range("Bo", table.range.bond_number);
   if (table.covariance) validate_covariance(table, *table.covariance);
+}
+
+void require_continuous_yield(const std::variant<GeneralisedBagnold, MuPhi>& law) {
+  const auto* material = std::get_if<MuPhi>(&law);
+  const MonotoneCurve* curve = material ? material->friction.tabulated.get() : nullptr;
+  if (curve && curve->x().front() > 0.0)
+    throw TableError(
+        fmt::format("the tabulated mu(I) begins at I = {}: a flow in time starts or ends at I = 0; "
+                    "give a pair there, or ask for the steady flow only (answer = \"steady\")",
+                    curve->x().front()));
 }
 
 std::vector<std::string> coefficient_names(const RheologyTable& table) {

@@ -84,10 +84,16 @@ void validate(const RheologyTable& table);
 /// The same for a table that may have phi only. Throws TableError.
 void validate_coefficients(const RheologyTable& table);
 
+/// A flow in time passes through all I from 0 on: refuses a tabulated mu(I) that begins above 0, by
+/// which grains would start at once with its first I. Throws TableError.
+void require_continuous_yield(const std::variant<GeneralisedBagnold, MuPhi>& law);
+
 /// Names of the coefficients of a table, only those that are present, in this order:
 ///   closure A: a, b, tau_c, volume_fraction;
-///   closure B: mu0, beta, kappa (all three with friction only), exponent, p_mu, cohesion_alpha,
-///   cohesion_beta, cohesion_factor, phi0, I_phi, p_phi, p1..p4;
+///   closure B: mu0, beta, kappa (all three with friction only, none if it is tabulated),
+///   exponent, p_mu, cohesion_alpha,
+///   cohesion_beta, cohesion_factor, cohesion_bond_exponent, cohesion_softness_exponent, phi0,
+///   I_phi, p_phi, p1..p4;
 ///   both: no_slip_height, mass_below. A covariance may name any subset in any order.
 std::vector<std::string> coefficient_names(const RheologyTable& table);
 

@@ -174,6 +174,7 @@ BandStart start_band(const RheologyTable& table,
                      const BandStartOptions& options) {
   const auto begin = std::chrono::steady_clock::now();
   check(band, options);
+  require_continuous_yield(table.law);
   const ShearBand steady = shear_band(table, band, {.discretisation = 1e-6});
   BandStart result;
   result.answer = steady.answer;

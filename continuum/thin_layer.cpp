@@ -13,7 +13,7 @@ InertialFriction friction_at_base(const MuPhi& law, const Confinement& base) {
   InertialFriction friction = law.friction;
   friction.mu0 *= factor;
   friction.beta *= factor;
-  if (law.cohesion_stress) friction.mu0 += law.cohesion_stress->factor * base.bond_number;
+  if (law.cohesion_stress) friction.mu0 += cohesion_friction(*law.cohesion_stress, base);
   return friction;
 }
 
@@ -30,7 +30,7 @@ std::optional<ThinLayer> thin_layer(const RheologyTable& table,
                                     const ChuteCase& chute,
                                     const Profile& profile) {
   const auto* law = std::get_if<MuPhi>(&table.law);
-  if (!law || profile.rows.empty()) return std::nullopt;
+  if (!law || law->friction.tabulated || profile.rows.empty()) return std::nullopt;
   const ProfileRow& base = lowest_moving(profile);
   const InertialFriction friction =
       friction_at_base(*law, confinement(chute.grains, base.pressure));

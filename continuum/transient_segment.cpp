@@ -58,13 +58,14 @@ bool may_rest_in_part(const Layer& layer) {
   if (layer.wall_drag > 0.0) return true;
   const auto* law = std::get_if<MuPhi>(&layer.law);
   if (!law) return std::get<GeneralisedBagnold>(layer.law).tau_c > 0.0;
-  if (law->friction.exponent) return true;
+  if (law->friction.exponent || law->friction.tabulated) return true;
   const bool cohesive = layer.grains.adhesion && (law->cohesion_friction || law->cohesion_stress);
   return cohesive || (law->softness_friction && layer.grains.stiffness);
 }
 
 Segment::Segment(const Layer& layer, const TransientOptions& options, Motion start)
     : verdict_(steady_verdict(layer)), options_(options), start_(std::move(start)) {
+  require_continuous_yield(layer.law);
   DiscreteLayer discrete(layer, MassGrid(layer.mass, options.cells, options.grading));
   if (start_.velocity.empty()) start_ = discrete.rest();
   double relaxation_time = 0.0;

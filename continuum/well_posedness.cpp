@@ -75,6 +75,10 @@ bool depends_on_cohesion(const MuPhi& law) {
   return law.cohesion_friction || law.cohesion_stress;
 }
 
+bool depends_on_softness(const MuPhi& law) {
+  return law.softness_friction || (law.cohesion_stress && law.cohesion_stress->softness_exponent);
+}
+
 double margin_with(RheologyTable table,
                    const std::string& name,
                    double value,
@@ -159,7 +163,7 @@ std::vector<CertifiedConfinement> well_posedness_map(const RheologyTable& table)
   if (!law) return {{.intervals = well_posed_intervals(table, 0.0, 0.0)}};
   std::vector<double> softnesses{0.0};
   std::vector<double> bond_numbers{0.0};
-  if (law->softness_friction) softnesses = covered({1e-3, 1e-2, 1e-1}, table.range.softness);
+  if (depends_on_softness(*law)) softnesses = covered({1e-3, 1e-2, 1e-1}, table.range.softness);
   if (depends_on_cohesion(*law))
     bond_numbers = covered({1.0, 2.0, largest_fitted_bond_number}, table.range.bond_number);
   std::vector<CertifiedConfinement> map;

@@ -73,6 +73,24 @@ InertialFriction read_friction(InputFile& in) {
   return law;
 }
 
+/// Pairs of I and mu in place of the law above; absent: there are none.
+std::shared_ptr<const MonotoneCurve> read_friction_table(InputFile& in) {
+  using Numbers = std::vector<double>;
+  Section section = in.optional_section(
+      "law.friction_table", "mu(I) by a monotone cubic through pairs, in place of [law.friction]");
+  if (!section.given()) return nullptr;
+  const auto I = section.read<Numbers>(
+      {"inertial_number", "I, rising; beyond the ends mu is held", {}, from_to(0.0, INFINITY)});
+  const auto mu = section.read<Numbers>({"friction", "mu, rising", {}, from_to(0.0, INFINITY)});
+  if (!section.has("inertial_number") || !section.has("friction")) return nullptr;
+  try {
+    return std::make_shared<const MonotoneCurve>(I, mu);
+  } catch (const TableError& error) {
+    section.problem("friction", error.what());
+  }
+  return nullptr;
+}
+
 void read_friction_terms(InputFile& in, MuPhi& law) {
   Section softness =
       in.optional_section("law.softness_friction", "f_p = 1 - sqrt((1 + Bo) p*/p_mu)");
@@ -92,10 +110,18 @@ void read_friction_terms(InputFile& in, MuPhi& law) {
         cohesion.read<double>({"beta", "exponent", {}, positive})};
   }
   Section stress = in.optional_section("law.cohesion_stress",
-                                       "tau = c0 + mu p, c0 = factor f_a/d^2, in place of f_B");
+                                       "mu(I) f_p + factor Bo^b p*^g, in place of f_B; without "
+                                       "exponents tau = c0 + mu p, c0 = factor f_a/d^2");
   if (stress.given()) {
-    law.cohesion_stress = {
-        stress.read<double>({"factor", "c0 over the pull f_a/d^2", {}, not_negative})};
+    law.cohesion_stress = CohesionStress{
+        .factor = stress.read<double>({"factor", "c0 over the pull f_a/d^2", {}, not_negative}),
+        .bond_exponent = stress.find<double>(
+            {"bond_exponent", "b, its tangent beyond Bo = 5", {}, positive}, "1"),
+        .softness_exponent = stress.find<double>({"softness_exponent",
+                                                  "g, at most b and 1; rigid grains: no cohesion",
+                                                  {},
+                                                  not_negative},
+                                                 "0")};
   }
 }
 
@@ -131,7 +157,9 @@ void read_phi(InputFile& in, MuPhi& law) {
 
 MuPhi read_mu_phi(InputFile& in) {
   MuPhi law;
-  law.friction = read_friction(in);
+  const auto tabulated = read_friction_table(in);
+  if (in.top().applies(!tabulated)) law.friction = read_friction(in);
+  law.friction.tabulated = tabulated;
   read_friction_terms(in, law);
   read_phi(in, law);
   return law;
@@ -292,6 +320,10 @@ RheologyTable read_keys(InputFile& in) {
   read_base(in, table);
   read_covariance(in, table);
   read_range(in, table.range);
+  if (const auto* law = std::get_if<MuPhi>(&table.law);
+      law && law->friction.tabulated && !table.range.inertial_number)
+    table.range.inertial_number =
+        Range{law->friction.tabulated->x().front(), law->friction.tabulated->x().back()};
   read_words(in, table);
   return table;
 }

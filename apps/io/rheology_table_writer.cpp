@@ -39,6 +39,12 @@ std::string list(const std::vector<std::string>& texts) {
   return fmt::format("[{}]", joined(items, ", "));
 }
 
+std::string list(const std::vector<double>& values) {
+  std::vector<std::string> items;
+  for (const double value : values) items.push_back(number(value));
+  return fmt::format("[{}]", joined(items, ", "));
+}
+
 /// Sections and lines of a TOML file.
 class TomlText {
  public:
@@ -93,7 +99,13 @@ void write_cohesion(TomlText& out,
   }
 }
 
-void write_friction(TomlText& out, const MuPhi& law, const std::optional<Covariance>& covariance) {
+void write_inertial(TomlText& out, const MuPhi& law, const std::optional<Covariance>& covariance) {
+  if (const auto& table = law.friction.tabulated) {
+    out.section("law.friction_table");
+    out.line("inertial_number", list(table->x()), "mu(I): monotone cubic, held beyond the ends");
+    out.line("friction", list(table->y()));
+    return;
+  }
   out.section("law.friction");
   const bool curved = law.friction.kappa != 0.0 || covers(covariance, "kappa");
   out.line("mu0",
@@ -102,6 +114,10 @@ void write_friction(TomlText& out, const MuPhi& law, const std::optional<Covaria
   out.line("beta", law.friction.beta);
   if (curved) out.line("kappa", law.friction.kappa);
   if (law.friction.exponent) out.line("exponent", *law.friction.exponent, "I^exponent for I");
+}
+
+void write_friction(TomlText& out, const MuPhi& law, const std::optional<Covariance>& covariance) {
+  write_inertial(out, law, covariance);
   if (const auto& softness = law.softness_friction) {
     out.section("law.softness_friction");
     const bool linear = softness->form == SoftnessForm::linear;
@@ -117,7 +133,12 @@ void write_friction(TomlText& out, const MuPhi& law, const std::optional<Covaria
   }
   if (const auto& cohesion = law.cohesion_stress) {
     out.section("law.cohesion_stress");
-    out.line("factor", cohesion->factor, "tau = factor f_a/d^2 + mu p");
+    const bool power = cohesion->bond_exponent || cohesion->softness_exponent;
+    out.line("factor",
+             cohesion->factor,
+             power ? "mu(I) f_p + factor Bo^b p*^g" : "tau = factor f_a/d^2 + mu p");
+    if (const auto& b = cohesion->bond_exponent) out.line("bond_exponent", *b, "b");
+    if (const auto& g = cohesion->softness_exponent) out.line("softness_exponent", *g, "g");
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -165,7 +166,7 @@ TEST(MaterialFit, AdditiveCohesionIsToldFromAFactor) {
   additive.cohesion_stress = continuum::CohesionStress{.factor = 0.2};
   const MaterialFit fit =
       fit_material(states(additive, grid, {.friction = 0.01, .volume_fraction = 0.003}));
-  ASSERT_EQ(fit.families.size(), 8u);
+  ASSERT_EQ(fit.families.size(), 12u);
   ASSERT_TRUE(law_of(fit).cohesion_stress);
   EXPECT_FALSE(law_of(fit).cohesion_friction);
   expect_within_errors(fit.friction["cohesion_factor"], 0.2);
@@ -173,6 +174,47 @@ TEST(MaterialFit, AdditiveCohesionIsToldFromAFactor) {
   const MaterialFit published =
       fit_material(states(frictional, grid, {.friction = 0.01, .volume_fraction = 0.003}));
   EXPECT_TRUE(law_of(published).cohesion_friction);
+}
+
+continuum::MuPhi with_power_of_softness() {
+  continuum::MuPhi law = frictional;
+  law.cohesion_friction.reset();
+  law.cohesion_stress =
+      continuum::CohesionStress{.factor = 1.5, .bond_exponent = 1.44, .softness_exponent = 0.67};
+  return law;
+}
+
+TEST(MaterialFit, CohesionThatFadesWithSoftnessComesBackFromExactStates) {
+  const MaterialFit fit = fit_material(states(with_power_of_softness(), grid));
+  const auto& cohesion = law_of(fit).cohesion_stress;
+  ASSERT_TRUE(cohesion && cohesion->bond_exponent && cohesion->softness_exponent);
+  EXPECT_NEAR(cohesion->factor, 1.5, 1e-5);
+  EXPECT_NEAR(*cohesion->bond_exponent, 1.44, 1e-6);
+  EXPECT_NEAR(*cohesion->softness_exponent, 0.67, 1e-6);
+}
+
+TEST(MaterialFit, CohesionThatFadesWithSoftnessIsFoundWithinItsErrors) {
+  const MaterialFit fit = fit_material(
+      states(with_power_of_softness(), grid, {.friction = 0.01, .volume_fraction = 0.003}));
+  EXPECT_TRUE(mentions(fit.friction.notes, "+ factor Bo^b p*^g"));
+  expect_within_errors(fit.friction["cohesion_factor"], 1.5);
+  expect_within_errors(fit.friction["cohesion_bond_exponent"], 1.44);
+  expect_within_errors(fit.friction["cohesion_softness_exponent"], 0.67);
+  const auto& names = fit.table.covariance->names;
+  EXPECT_EQ(std::count(names.begin(), names.end(), "cohesion_softness_exponent"), 1);
+}
+
+TEST(MaterialFit, OnePressureWithCohesionDoesNotTellHowItFadesWithSoftness) {
+  auto points = states(with_power_of_softness(), cohesionless, {.friction = 0.01});
+  const StateGrid one{.inertial_numbers = grid.inertial_numbers,
+                      .softnesses = {0.01},
+                      .bond_numbers = grid.bond_numbers};
+  for (const auto& point : states(with_power_of_softness(), one, {.friction = 0.01, .seed = 2})) {
+    points.push_back(point);
+  }
+  const MaterialFit fit = fit_material(points);
+  ASSERT_EQ(fit.families.size(), 8u);
+  EXPECT_FALSE(law_of(fit).cohesion_stress && law_of(fit).cohesion_stress->softness_exponent);
 }
 
 TEST(MaterialFit, PlateauBeyondTheDataHasAnOpenInterval) {

@@ -71,6 +71,21 @@ TEST(RheologyTable, RefusesTwoLawsForTheSameCohesion) {
   EXPECT_TRUE(contains(refusal(table_of(law)), "exponent = 0"));
 }
 
+TEST(RheologyTable, RefusesCohesiveFrictionThatRisesWithDepth) {
+  MuPhi law = incompressible_spheres();
+  law.cohesion_stress =
+      CohesionStress{.factor = 0.4, .bond_exponent = 0.9, .softness_exponent = 0.9};
+  EXPECT_EQ(refusal(table_of(law)), "accepted");
+  law.cohesion_stress->softness_exponent = 0.91;
+  EXPECT_TRUE(contains(refusal(table_of(law)), "cohesion_softness_exponent = 0.91 is above 0.9"));
+  law.cohesion_stress->bond_exponent = 1.4;
+  EXPECT_EQ(refusal(table_of(law)), "accepted");
+  law.cohesion_stress->softness_exponent = 1.1;
+  EXPECT_TRUE(contains(refusal(table_of(law)), "is above 1, the smaller"));
+  law.cohesion_stress->bond_exponent = 0.0;
+  EXPECT_TRUE(contains(refusal(table_of(law)), "cohesion_bond_exponent = 0"));
+}
+
 TEST(RheologyTable, RefusesAMalformedCovariance) {
   EXPECT_EQ(refusal(with_covariance({"mu0", "beta"}, {1e-4, 1e-5, 1e-5, 1e-3})), "accepted");
   EXPECT_TRUE(contains(refusal(with_covariance({"mu0"}, {1e-4, 0})), "needs 1 numbers"));

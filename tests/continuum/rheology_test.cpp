@@ -105,12 +105,15 @@ TEST(FlowCurve, IsTheLawOfTheTableInAnotherVariable) {
 
 /// One law of every family.
 std::vector<MuPhi> families() {
-  std::vector<MuPhi> laws(5, frictional_spheres());
+  std::vector<MuPhi> laws(6, frictional_spheres());
   laws[1].softness_friction->form = SoftnessForm::linear;
   laws[2].cohesion_friction.reset();
   laws[2].cohesion_stress = CohesionStress{.factor = 0.4};
   laws[3].friction = {.mu0 = 0.3530, .beta = 0.4, .exponent = 0.7};
   laws[4].softness_friction.reset();
+  laws[5].cohesion_friction.reset();
+  laws[5].cohesion_stress =
+      CohesionStress{.factor = 1.5, .bond_exponent = 1.44, .softness_exponent = 0.67};
   return laws;
 }
 
@@ -176,6 +179,60 @@ TEST(LawFamilies, AdditiveCohesionIsAYieldStressWithoutPressure) {
   const FlowCurve curve = flow_curve(law, {.adhesion = 5.0}, 1e-12);
   EXPECT_NEAR(curve.yield_stress, 2.0, 1e-11);
   EXPECT_EQ(flow_curve(law, {}, 3.0).yield_stress, 3.0 * 0.3530);  // no adhesion, no cohesion
+}
+
+MuPhi with_cohesion(const CohesionStress& cohesion) {
+  MuPhi law = incompressible_spheres();
+  law.cohesion_stress = cohesion;
+  return law;
+}
+
+TEST(LawFamilies, PowersOfBoAndSoftnessOfExponentsOneAndZeroAreTheAdditiveStress) {
+  const MuPhi plain = with_cohesion({.factor = 0.4});
+  const MuPhi power =
+      with_cohesion({.factor = 0.4, .bond_exponent = 1.0, .softness_exponent = 0.0});
+  for (const GrainProperties& grains :
+       {GrainProperties{.adhesion = 2.0}, {.stiffness = 2e3, .adhesion = 2.0}})
+    for (const double p : {0.01, 3.0, 60.0}) {  // Bo beyond and below 5
+      const double expected = flow_curve(plain, grains, p).yield_stress;
+      EXPECT_NEAR(flow_curve(power, grains, p).yield_stress, expected, 4e-16 * expected);
+    }
+}
+
+/// tau_c = factor (f_a / d^2)^b (d / k_n)^g p^(1 - b + g) up to Bo = 5. Beyond, with p* = f_a / (Bo
+/// d k_n), factor p p*^g (5^b + b 5^(b-1) (Bo - 5)) tends to factor b 5^(b-1) (f_a / d^2) p*^g.
+TEST(LawFamilies, CohesiveStressIsAPowerOfPressureAndVanishesAtAFreeSurface) {
+  const double b = 1.44, g = 0.67, k = 2e3, f_a = 3.0;
+  const MuPhi law = with_cohesion({.factor = 1.5, .bond_exponent = b, .softness_exponent = g});
+  const auto cohesion = [&](double p) {
+    return flow_curve(law, {.stiffness = k, .adhesion = f_a}, p).yield_stress - 0.3530 * p;
+  };
+  for (const double p : {0.7, 5.0, 60.0}) {
+    const double exact = 1.5 * std::pow(f_a, b) * std::pow(k, -g) * std::pow(p, 1.0 - b + g);
+    EXPECT_NEAR(cohesion(p), exact, 1e-15 * (p + exact));
+  }
+  for (const double p : {1e-8, 1e-12}) {
+    const double limit = 1.5 * b * std::pow(5.0, b - 1.0) * f_a * std::pow(p / k, g);
+    EXPECT_NEAR(cohesion(p), limit, 5.0 * p / f_a * limit);  // the constant part of the tangent
+  }
+}
+
+TEST(LawFamilies, RigidGrainsHaveNoCohesionThatFadesWithSoftness) {
+  const GrainProperties rigid{.adhesion = 3.0};
+  const double plain = flow_curve(incompressible_spheres(), rigid, 2.0).yield_stress;
+  EXPECT_EQ(flow_curve(with_cohesion({.factor = 1.5, .softness_exponent = 0.67}), rigid, 2.0)
+                .yield_stress,
+            plain);
+  EXPECT_NEAR(  // and the limit k_n -> infinity is that one: (p / k_n)^g of c0 = 4.5
+      flow_curve(with_cohesion({.factor = 1.5, .softness_exponent = 0.5}),
+                 {.stiffness = 2e30, .adhesion = 3.0},
+                 2.0)
+          .yield_stress,
+      plain + 4.5e-15,
+      1e-15);
+  EXPECT_EQ(
+      flow_curve(with_cohesion({.factor = 1.5, .softness_exponent = 0.0}), rigid, 2.0).yield_stress,
+      flow_curve(with_cohesion({.factor = 1.5}), rigid, 2.0).yield_stress);
 }
 
 TEST(FlowCurve, NoRateReachesTheLargestFriction) {

@@ -275,6 +275,21 @@ TEST(RangeFlags, NameCohesiveGrainsOnALawWithoutCohesion) {
   EXPECT_DOUBLE_EQ(find(answer, "Bo")->fraction_outside, 1.0);
 }
 
+TEST(RangeFlags, NameCohesionThatRigidGrainsLose) {
+  MuPhi law = incompressible_spheres();
+  law.cohesion_stress =
+      CohesionStress{.factor = 1.5, .bond_exponent = 1.2, .softness_exponent = 0.5};
+  RheologyTable table = table_of(law);
+  table.range = {.softness = Range{1e-3, 1e-2}, .bond_number = Range{0.0, 5.0}};
+  const auto flags = [&](const GrainProperties& grains) {
+    return steady_chute(table, chute(24, 29, grains)).answer.out_of_domain;
+  };
+  ASSERT_EQ(flags({.adhesion = 0.1}).size(), 1U);
+  EXPECT_EQ(flags({.adhesion = 0.1})[0].quantity, "p*");
+  EXPECT_EQ(flags({.adhesion = 0.1})[0].reached_highest, 0.0);
+  EXPECT_TRUE(flags({}).empty());  // nothing to lose
+}
+
 TEST(RangeFlags, NameADiluteFlow) {
   const auto answer = steady_chute(frictional, chute(33, 52.2)).answer;
   ASSERT_NE(find(answer, "phi"), nullptr);

@@ -104,6 +104,37 @@ TEST(V3CohesiveLinearLaw, HasTheElementaryProfileOverAPlug) {
   }
 }
 
+/// tau = A p^e + p (mu0 + beta I), the cohesion factor Bo^b p*^g with A = factor f_a^b k_n^-g and
+/// e = 1 - b + g: gd = [(tan(theta) - mu0) P^(1/2) - A P^(e-1/2)] / beta below P_c, A P_c^(e-1) =
+/// tan - mu0. The factor is that of P_c = f_a: Bo = 1 at the edge.
+TEST(V3CohesiveLinearLaw, HasTheElementaryProfileAlsoWithPowersOfBoAndSoftness) {
+  const double phi = 0.58, mass = 29.0, mu0 = 0.3530, beta = 0.6, theta = 24 * degree;
+  const double k_n = 2e4, f_a = 3.0, k = phi * std::cos(theta), drive = std::tan(theta) - mu0;
+  MuPhi law = incompressible_spheres();
+  law.friction = {.mu0 = mu0, .beta = beta};
+  for (const auto& [b, g] : {std::pair{1.44, 0.67}, {0.9, 0.29}}) {
+    const double e = 1.0 - b + g, A = drive * std::pow(f_a, 1.0 - e), edge = f_a / k;
+    law.cohesion_stress = CohesionStress{
+        .factor = drive * std::pow(k_n / f_a, g), .bond_exponent = b, .softness_exponent = g};
+    const auto steady =
+        steady_chute(table_of(law), chute(24, mass, {.stiffness = k_n, .adhesion = f_a}));
+    const auto integral = [&](double y) {
+      return (2.0 / 3.0 * drive * std::sqrt(k) * y * std::sqrt(y) -
+              A * std::pow(k * y, e + 0.5) / (k * (e + 0.5))) /
+             beta;
+    };
+    const double surface = integral(mass / phi) - integral(edge);
+    Largest error;
+    for (const auto& row : steady.profile.rows) {
+      const double exact = integral(mass / phi) - integral(std::max(edge, row.mass_above / phi));
+      error.add((row.velocity - exact) / surface);
+    }
+    const auto name = fmt::format("error of the profile, Bo^{:g} p*^{:g}", b, g);
+    verify("V3", name, 0.0, error.value(), 1e-12);
+    EXPECT_NEAR(steady.profile.plug_mass, phi * edge, 1e-12 * mass);
+  }
+}
+
 /// The law of closure (A) that such a chute obeys: tau_c = c0 tan / (tan - mu0) and, with K =
 /// (tan - mu0) / beta and P_c = c0 / (tan - mu0), tau - tau_c = tan / (2 K^2) (gd^2 + gd sqrt(gd^2
 /// + 4 K^2 P_c)): cohesion alone looks like a linear term.
@@ -248,6 +279,14 @@ TEST(V13Limits, OfVanishingParametersAreTheSimplerLaws) {
   same("difference of u_s, k_n -> infinity", velocity(rigid, {.stiffness = 1e4}), plain);
   same("difference of u_s, f_a -> 0", velocity(full, {.adhesion = 1e-15}), plain);
   EXPECT_NEAR(velocity(cohesionless, {.adhesion = 1e-15}), plain, 1e-12 * plain);
+  MuPhi additive = cohesionless, power = cohesionless;
+  additive.cohesion_stress = CohesionStress{.factor = 0.4};
+  power.cohesion_stress =
+      CohesionStress{.factor = 0.4, .bond_exponent = 1.0 + 1e-15, .softness_exponent = 1e-16};
+  const GrainProperties sticky{.stiffness = 381971.8634, .adhesion = 0.5};
+  same("difference of u_s, Bo^b p*^g with b -> 1 and g -> 0",
+       velocity(power, sticky),
+       velocity(additive, sticky));
   const double bagnold = velocity(bagnold_at_24_degrees(1.3, 0, 0), {});
   same(
       "difference of u_s, tau_c -> 0", velocity(bagnold_at_24_degrees(1.3, 0, 1e-14), {}), bagnold);
@@ -314,7 +353,10 @@ TEST(SteadyQuadrature, DoesNotChangeWithMorePanels) {
 }
 
 TEST(SteadyQuadrature, DoesNotChangeWithMorePanelsForAnyFamilyOfLaws) {
-  std::vector<MuPhi> laws(4, frictional_spheres());
+  std::vector<MuPhi> laws(5, frictional_spheres());
+  laws[4].cohesion_friction.reset();
+  laws[4].cohesion_stress =
+      CohesionStress{.factor = 1.5, .bond_exponent = 1.44, .softness_exponent = 0.67};
   laws[1].cohesion_friction.reset();
   laws[1].cohesion_stress = CohesionStress{.factor = 0.3};
   laws[2].softness_friction->form = SoftnessForm::linear;

@@ -4,6 +4,7 @@
 
 #include <bit>
 #include <cmath>
+#include <memory>
 #include <random>
 
 #include "apps/io/safe_write.h"
@@ -44,7 +45,10 @@ RheologyTable mu_phi_table(std::mt19937_64& random) {
   if (random() % 2 == 0)
     law.cohesion_friction = CohesionFriction{unit(random), unit(random)};
   else if (random() % 2 == 0)
-    law.cohesion_stress = CohesionStress{unit(random)};
+    law.cohesion_stress = CohesionStress{.factor = unit(random)};
+  if (law.cohesion_stress && random() % 2 == 0) law.cohesion_stress->bond_exponent = 1.4;
+  if (law.cohesion_stress && random() % 2 == 0)
+    law.cohesion_stress->softness_exponent = unit(random);
   if (law.softness_friction && random() % 2 == 0)
     law.softness_friction->form = SoftnessForm::linear;
   if (random() % 2 == 0) law.friction.exponent = unit(random);
@@ -117,6 +121,42 @@ TEST(RheologyTableToml, ConstantVolumeFractionIsWrittenAsInfiniteIphi) {
   std::get<MuPhi>(table.law).volume_fraction.I_phi = INFINITY;
   const RheologyTable again = parse_table(to_toml(table), "t");
   EXPECT_EQ(std::get<MuPhi>(again.law).volume_fraction.I_phi, INFINITY);
+}
+
+/// A table whose mu(I) goes through three pairs.
+RheologyTable tabulated_table(std::vector<double> I, std::vector<double> mu) {
+  std::mt19937_64 random(1);
+  RheologyTable table = mu_phi_table(random);
+  table.covariance.reset();
+  auto& law = std::get<MuPhi>(table.law);
+  law.friction = {};
+  law.friction.tabulated = std::make_shared<const MonotoneCurve>(std::move(I), std::move(mu));
+  return table;
+}
+
+TEST(RheologyTableToml, TabulatedFrictionKeepsItsPairsAndTheirRange) {
+  const RheologyTable table = tabulated_table({0.0, 0.1 + 0.2, 0.7}, {0.3, 0.4, 1.0 / 1.5});
+  const RheologyTable again = parse_table(to_toml(table), "t");
+  const auto& curve = *std::get<MuPhi>(again.law).friction.tabulated;
+  EXPECT_EQ(curve.x(), std::get<MuPhi>(table.law).friction.tabulated->x());
+  EXPECT_EQ(curve.y(), std::get<MuPhi>(table.law).friction.tabulated->y());
+  EXPECT_EQ(again.range.inertial_number->upper, 0.7);
+  EXPECT_EQ(to_toml(parse_table(to_toml(again), "t")), to_toml(again));
+  EXPECT_EQ(coefficient_names(again).front(), coefficient_names(table).front());
+  EXPECT_NE(coefficient_names(again).front(), "mu0");
+}
+
+TEST(RheologyTableToml, DipOfTabulatedFrictionIsRefusedAtItsLine) {
+  std::string text = to_toml(tabulated_table({0.0, 0.1, 0.2}, {0.3, 0.4, 0.5}));
+  const std::string rising = "friction = [0.3, 0.4, 0.5]";
+  text.replace(text.find(rising), rising.size(), "friction = [0.4, 0.3, 0.5]");
+  try {
+    parse_table(text, "t.toml");
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("does not rise from I = 0 to 0.1"), std::string::npos)
+        << error.what();
+  }
 }
 
 TEST(RheologyTableToml, TermsTheLawDoesNotHaveHaveNoKey) {
