@@ -11,9 +11,10 @@ namespace grainlaw {
 
 /// How a campaign is to be calibrated within a wall time.
 struct BudgetSettings {
-  double seconds = 0.0;           ///< [s]
-  int processes = 1;              ///< runs at once
-  std::vector<std::string> from;  ///< finished runs: they cost nothing, and targets among them check
+  double seconds = 0.0;  ///< [s]
+  int processes = 1;     ///< runs at once
+  std::vector<std::string>
+      from;  ///< finished runs: they cost nothing, and targets among them check
   bool quiet = false;
 };
 

@@ -127,9 +127,10 @@ FigureGroup budget_figures(const BudgetReport& budget) {
 Html budget_section(const BudgetReport& budget,
                     const FigureGroup& group,
                     const Pictures& pictures) {
-  Table rounds{.caption = "Predicted: standard error of the surface velocity by the covariance of "
-                          "the law at that time. Reached: relative L2 error of the velocity "
-                          "against a chute measured outside the budget."_html,
+  Table rounds{.caption =
+                   "Predicted: standard error of the surface velocity by the covariance of "
+                   "the law at that time. Reached: relative L2 error of the velocity "
+                   "against a chute measured outside the budget."_html,
                .head = head(budget),
                .rows = {},
                .text_columns = 1};

@@ -59,9 +59,7 @@ Html contact_friction_section(const ContactFrictionReport& report,
                               const Pictures& pictures);
 Html seed_section(const Report& report);
 Html time_section(const Report& report, const FigureGroup& group, const Pictures& pictures);
-Html budget_section(const BudgetReport& budget,
-                    const FigureGroup& group,
-                    const Pictures& pictures);
+Html budget_section(const BudgetReport& budget, const FigureGroup& group, const Pictures& pictures);
 Html cost_section(const Report& report);
 Html health_section(const Report& report);
 Html answer_section(const Report& report);
