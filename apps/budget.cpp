@@ -157,6 +157,10 @@ class Spending {
   void take(CampaignRun& run, BudgetCandidate& candidate, double& slowest) {
     cpu_seconds_ += run.cpu_seconds;
     CampaignData& data = outcome_.data;
+    if (!run.data && stop_requested()) {
+      outcome_.report.notes.push_back(run.name + " was cut off and is not used");
+      return;
+    }
     if (!run.data) {
       data.failed.push_back(fmt::format("{}: {}", run.name, run.failure));
       outcome_.report.notes.push_back(data.failed.back());
@@ -173,7 +177,7 @@ class Spending {
       outcome_.report.notes.push_back(
           fmt::format("{} is not steady and is not fitted: {}", run.name, run.data->window.reason));
       candidate.warm_up *= 2.0;
-    } else {
+    } else if (run.data->conditions.geometry == "chute") {
       candidate.warm_up = run.data->window.begin / candidate.unit;
     }
     const std::string digest = io::digest(data_path(directory_, run.name));

@@ -19,7 +19,7 @@ using calibration::State;
 constexpr double exploring_part = 0.3;
 /// Part of a run that may be warm-up where the time is enough for a further round.
 constexpr double warm_up_part = 0.2;
-/// Runs do not go quite as fast as the short one they were timed by.
+/// Runs do not always go as fast as those they were timed by.
 constexpr double pace_reserve = 1.1;
 
 std::vector<std::vector<double>> places_of(const std::vector<BudgetCandidate>& candidates) {
@@ -40,6 +40,10 @@ BudgetPlanner::BudgetPlanner(const io::Campaign& campaign,
   const auto places = places_of(candidates_);
   order_ = calibration::spread_order(places);
   first_runs_ = static_cast<std::size_t>(2 * calibration::varied_coordinates(places) + 1);
+}
+
+void BudgetPlanner::set_pace(double pace) {
+  pace_ = pace_reserve * pace;
 }
 
 bool BudgetPlanner::learn(const continuum::RheologyTable& table,
@@ -106,10 +110,11 @@ double BudgetPlanner::next_run_seconds(double seconds_left) const {
     return [seconds](const BudgetCandidate& one) { return one.fits(seconds); };
   };
   const auto worthwhile = [&](const BudgetCandidate& one) {
-    return one.fits(0.5 * all) && one.warm_up * one.seconds_per_unit <= warm_up_part * 0.5 * all;
+    const double warm_up = one.warm_up * one.seconds_per_unit;
+    return !one.fits(all) || (one.fits(0.5 * all) && warm_up <= warm_up_part * 0.5 * all);
   };
-  if (std::ranges::all_of(candidates_, worthwhile)) return 0.5 * all;
-  return std::ranges::any_of(candidates_, fits(all)) ? all : 0.0;
+  if (!std::ranges::any_of(candidates_, fits(all))) return 0.0;
+  return std::ranges::all_of(candidates_, worthwhile) ? 0.5 * all : all;
 }
 
 std::vector<PlannedSpending> BudgetPlanner::next_round(double seconds_left) {
@@ -118,8 +123,7 @@ std::vector<PlannedSpending> BudgetPlanner::next_round(double seconds_left) {
   if (!(seconds > 0.0)) return runs;
   std::vector<Told> told = told_;
   for (int process = 0; process < processes_; ++process) {
-    const bool exploring =
-        !table_ || explored_ + seconds <= exploring_part * (later_ + seconds) + 1e-9;
+    const bool exploring = !table_ || explored_ < exploring_part * (later_ + seconds);
     const std::size_t k = exploring ? least_run(seconds, runs) : most_wanted(seconds, told);
     const double averaging = candidates_[k].averaging(seconds);
     runs.push_back({k, averaging, exploring ? "lack of fit" : "largest gain"});

@@ -36,7 +36,7 @@ class BudgetPlanner {
 
   std::vector<BudgetCandidate>& candidates() { return candidates_; }
   /// Wall time of runs over the expected one, as seen last.
-  void set_pace(double pace) { pace_ = pace; }
+  void set_pace(double pace);
 
   /// A law and the runs it was fitted to. False: nothing can be planned by it.
   bool learn(const continuum::RheologyTable& table, std::span<const MeasuredRun> runs);
