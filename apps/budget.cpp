@@ -22,6 +22,9 @@ using std::chrono::steady_clock;
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
+/// Averaging of a candidate that is not to be run again: it arrests, or its runs fail.
+constexpr double never = std::numeric_limits<double>::infinity();
+
 /// Parts of a budget that are kept for the predictions and the report at the end.
 constexpr double report_part = 0.04;
 constexpr double least_report_seconds = 3.0;
@@ -164,7 +167,7 @@ class Spending {
     if (!run.data) {
       data.failed.push_back(fmt::format("{}: {}", run.name, run.failure));
       outcome_.report.notes.push_back(data.failed.back());
-      candidate.least = std::numeric_limits<double>::infinity();  // not again
+      candidate.least = never;
       return;
     }
     data.kept += run.kept ? 1 : 0;
@@ -177,6 +180,7 @@ class Spending {
       outcome_.report.notes.push_back(
           fmt::format("{} is not steady and is not fitted: {}", run.name, run.data->window.reason));
       candidate.warm_up *= 2.0;
+      if (run.data->window.arrested_at) candidate.least = never;
     } else if (run.data->conditions.geometry == "chute") {
       candidate.warm_up = run.data->window.begin / candidate.unit;
     }
