@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "apps/budget.h"
 #include "apps/campaign_data.h"
 #include "apps/campaign_report.h"
 #include "apps/campaign_run.h"
@@ -31,6 +32,7 @@ struct Arguments {
   std::vector<std::string> tables;  ///< of grains that differ in mu_p only, instead of a campaign
   std::string contact_friction;     ///< mu_p of a table between them; empty: none
   double max_wall = 0.0;            ///< [s]; 0: no limit
+  double budget = 0.0;              ///< [s] of wall time to plan runs for; 0: run the campaign
 };
 
 /// One warning for all runs whose standard errors rest on few samples.
@@ -49,6 +51,22 @@ void add_run_lines(Summary& summary, const CampaignData& data) {
   summary.add("runs", "runs", static_cast<long>(data.runs.size()));
   if (data.kept > 0) summary.add("runs_kept", "  finished before", static_cast<long>(data.kept));
   if (!data.failed.empty()) summary.add("runs_failed", "  failed", data.failed);
+}
+
+/// What the last law of a budget promises for its targets, and what of it is known.
+void add_budget_lines(Summary& summary, const report::BudgetReport& budget) {
+  summary.add("budget_rounds", "rounds", static_cast<long>(budget.rounds.size()));
+  summary.add("budget_spent", "  budget spent", duration_text(budget.spent_seconds));
+  summary.add("dem_cpu_seconds", "  CPU of DEM", budget.rounds.back().cpu_seconds, "s");
+  for (std::size_t k = 0; k < budget.targets.size(); ++k) {
+    const std::string tilt = fmt::format("{:.4g}", io::degrees(budget.targets[k]));
+    const dem::Estimate& velocity = budget.rounds.back().surface_velocity[k];
+    summary.add_estimate("surface_velocity_" + tilt,
+                         tilt + " degrees, surface velocity",
+                         velocity.value,
+                         velocity.error,
+                         "sqrt(g d)");
+  }
 }
 
 void add_fit_lines(Summary& summary,
@@ -225,6 +243,25 @@ std::optional<continuum::RheologyTable> reference_of(const io::Campaign& campaig
   return table;
 }
 
+/// From finished runs, or from runs of its own: as many as the budget allows, where there is one.
+CampaignData data_of(const io::Campaign& campaign,
+                     const Arguments& arguments,
+                     const CommonOptions& options,
+                     std::optional<report::BudgetReport>& budget) {
+  if (arguments.budget > 0.0) {
+    BudgetOutcome outcome = measure_within(campaign,
+                                           arguments.output,
+                                           {.seconds = arguments.budget,
+                                            .processes = options.threads,
+                                            .from = arguments.from,
+                                            .quiet = options.quiet});
+    budget = std::move(outcome.report);
+    return std::move(outcome.data);
+  }
+  if (!arguments.from.empty()) return gather(campaign, arguments.from);
+  return measure(campaign, arguments.output, options.threads, options.quiet);
+}
+
 ExitCode run(const io::Campaign& campaign,
              const Arguments& arguments,
              const CommonOptions& options) {
@@ -233,9 +270,8 @@ ExitCode run(const io::Campaign& campaign,
   const DirectoryLock lock(directory);
   catch_stop_signals();
   if (arguments.max_wall > 0.0) stop_after(arguments.max_wall);
-  CampaignData data = arguments.from.empty()
-                          ? measure(campaign, directory, options.threads, options.quiet)
-                          : gather(campaign, arguments.from);
+  std::optional<report::BudgetReport> budget;
+  CampaignData data = data_of(campaign, arguments, options, budget);
   if (stop_requested()) {
     say(fmt::format("grainlaw calibrate: stopped {}; the same command goes on with the runs in {}",
                     stop_reason(),
@@ -249,6 +285,8 @@ ExitCode run(const io::Campaign& campaign,
   add_run_lines(summary, data);
   for (const io::RunRecord& record : data.imported) add_checks(summary, record);
   report::Report report = evaluate(campaign, std::move(data), directory);
+  if (budget) add_budget_lines(summary, *budget);
+  report.budget = std::move(budget);
   report.command = "grainlaw calibrate " + fs::path(arguments.campaign).filename().string();
   if (report.material && reference) {
     report.material->reference = *reference;
@@ -288,6 +326,11 @@ ExitCode calibrate(const Arguments& arguments, const CommonOptions& options) {
     throw io::InputError(
         "--contact-friction goes with --tables; a campaign has that of its grains");
   }
+  if (arguments.budget > 0.0 && (arguments.list || arguments.max_wall > 0.0)) {
+    throw io::InputError(
+        "--budget plans its runs and their end itself: it goes neither with --list nor with "
+        "--max-wall");
+  }
   if (arguments.list && !arguments.from.empty()) {
     throw io::InputError(
         "--list and --from exclude each other: the one names runs to make, the "
@@ -311,6 +354,7 @@ int main(int argc, char** argv) {
       "tilt, or mu(I, p*, Bo) and phi(I, p*, Bo) to shear boxes, predicts every chute\n"
       "from the fitted table, writes table, predictions, report.",
       "  grainlaw calibrate data/campaigns/quickstart/campaign.toml -o results\n"
+      "  grainlaw calibrate CAMPAIGN.toml -o results --budget 10min\n"
       "  grainlaw calibrate CAMPAIGN.toml -o results --list | parallel\n"
       "  grainlaw calibrate CAMPAIGN.toml -o results --from results/runs",
       options);
@@ -329,6 +373,9 @@ int main(int argc, char** argv) {
               arguments.contact_friction,
               "with --tables: write the table of this contact friction");
   line.duration("--max-wall", arguments.max_wall, "stop with checkpoints after this wall time");
+  line.duration("--budget",
+                arguments.budget,
+                "choose runs so that the predict tilts are known best after this wall time");
   line.threads("runs at once, one process each (default: cores)", 0);
   if (const auto code = line.parse(argc, argv)) return *code;
   return run_program("grainlaw calibrate", [&] { return calibrate(arguments, options); });

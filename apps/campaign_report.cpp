@@ -11,6 +11,7 @@
 #include "apps/material_runs.h"
 #include "apps/program.h"
 #include "apps/seed_scatter.h"
+#include "calibration/box_points.h"
 #include "dem/run.h"
 
 namespace grainlaw {
@@ -48,16 +49,24 @@ std::string cohesion_of(const io::Campaign& campaign) {
   return cohesion;
 }
 
-void fit_boxes(report::Report& report, const io::Campaign& campaign, const CampaignData& data) {
+std::vector<dem::LocalData> boxes_of(const CampaignData& data) {
   std::vector<dem::LocalData> boxes;
   for (const MeasuredRun& run : data.runs) {
     if (run.data.conditions.geometry == "simple_shear") boxes.push_back(run.data);
   }
+  return boxes;
+}
+
+calibration::MaterialFitOptions material_options(const io::Campaign& campaign) {
   const dem::Scene& scene = campaign.shear_boxes.front().scene.scene;
   calibration::MaterialFitOptions options;
   options.contact_friction = dem::contact_friction(scene);
   options.cohesion = cohesion_of(campaign);
-  report.material = study_material(boxes, options);
+  return options;
+}
+
+void fit_boxes(report::Report& report, const io::Campaign& campaign, const CampaignData& data) {
+  report.material = study_material(boxes_of(data), material_options(campaign));
   report.table = report.material->fit.table;
 }
 
@@ -137,6 +146,15 @@ void study_series(report::Report& report, const io::Campaign& campaign, const Ca
 }
 
 }  // namespace
+
+continuum::RheologyTable fit_law(const io::Campaign& campaign, const CampaignData& data) {
+  if (campaign.shear_boxes.empty()) {
+    return calibration::fit_mu_phi(data.fitted(), mean_points(data)).table;
+  }
+  std::vector<std::string> left_out;
+  const auto points = calibration::state_points(boxes_of(data), left_out);
+  return calibration::fit_material(points, material_options(campaign)).table;
+}
 
 report::Report evaluate(const io::Campaign& campaign,
                         CampaignData data,

@@ -31,6 +31,7 @@ FigureGroup law_figures(const Report& report);
 FigureGroup profile_figures(const RunComparison& run, std::size_t number);
 FigureGroup in_time_figures(const RunComparison& run, std::size_t number);
 FigureGroup time_figures(const Report& report);
+FigureGroup budget_figures(const BudgetReport& budget);
 std::vector<FigureGroup> series_figures(const SeriesReport& series);
 std::vector<FigureGroup> material_figures(const MaterialReport& material);
 FigureGroup contact_friction_figures(const ContactFrictionReport& report);

@@ -70,6 +70,9 @@ std::vector<Part> parts_of(const Report& report, const Figures& figures, const P
   add(chutes, "time", "Error against run time", [&] {
     return time_section(report, figures.time, pictures);
   });
+  add(report.budget.has_value(), "budget", "Budget", [&] {
+    return budget_section(*report.budget, figures.budget, pictures);
+  });
   add(chutes || !report.costs.empty(), "cost", "Run time", [&] { return cost_section(report); });
   add(chutes, "health", "Health", [&] { return health_section(report); });
   add(chutes, "answers", "Answers", [&] { return answer_section(report); });
@@ -120,6 +123,7 @@ Figures figures(const Report& report) {
   result.law = law_figures(report);
   result.time = time_figures(report);
   if (!report.flows.empty()) result.flows = flow_figures(report);
+  if (report.budget) result.budget = budget_figures(*report.budget);
   if (report.series) result.series = series_figures(*report.series);
   if (report.material) result.material = material_figures(*report.material);
   if (report.contact_friction) {

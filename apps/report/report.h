@@ -177,6 +177,29 @@ struct SeedScatter {
   double expected_scatter() const { return mean.error * std::sqrt(static_cast<double>(seeds)); }
 };
 
+/// What was known after some of the time of a budget.
+struct BudgetRound {
+  std::vector<std::string> runs;  ///< "name: why", made since the round before
+  double wall_seconds = 0.0;      ///< since the start, until the law of this round was known
+  double cpu_seconds = 0.0;       ///< of all DEM runs until then
+  /// u_s of every target as the law of this round predicts it [length/time]; NaN: it does not flow.
+  std::vector<dem::Estimate> surface_velocity;
+  /// Relative L2 velocity error of the same law for every target that was measured outside the
+  /// budget; NaN: not measured.
+  std::vector<double> reached;
+  std::string failure;  ///< not empty: no law could be fitted yet, and why
+};
+
+/// A calibration that had to be done within a wall time.
+struct BudgetReport {
+  double seconds = 0.0;        ///< given
+  double spent_seconds = 0.0;  ///< when the last law was known
+  int processes = 1;
+  std::vector<double> targets;  ///< tilts that are to be predicted [rad]
+  std::vector<BudgetRound> rounds;
+  std::vector<std::string> notes;  ///< sentences on what was left out or cut short
+};
+
 /// All a report shows. Everything in it was computed before; the report only writes.
 struct Report {
   std::string title;
@@ -193,6 +216,7 @@ struct Report {
   std::vector<TableScores> tables;            ///< the first is `table`; empty: no scores asked
   std::vector<SeedScatter> seeds;             ///< empty: one seed each
   std::vector<TimeErrorPoint> error_against_time;
+  std::optional<BudgetReport> budget;  ///< absent: no budget was set
   std::optional<SeriesReport> series;  ///< absent: no series was asked for
   std::vector<StageCost> costs;
   std::vector<std::string> warnings;

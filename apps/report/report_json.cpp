@@ -35,6 +35,8 @@ json to_json(const continuum::CertifiedConfinement&);
 json to_json(const RunComparison&);
 json to_json(const TimeErrorPoint&);
 json to_json(const SeedScatter&);
+json to_json(const BudgetRound&);
+json to_json(const BudgetReport&);
 json to_json(const StageCost&);
 json to_json(const Coefficient&);
 json to_json(const continuum::Covariance&);
@@ -354,6 +356,24 @@ json to_json(const SeedScatter& one) {
           {"expected_scatter", one.expected_scatter()}};
 }
 
+json to_json(const BudgetRound& round) {
+  return {{"runs", round.runs},
+          {"wall_seconds", round.wall_seconds},
+          {"cpu_seconds", round.cpu_seconds},
+          {"surface_velocity", to_json(round.surface_velocity)},
+          {"reached", round.reached},
+          {"failure", round.failure}};
+}
+
+json to_json(const BudgetReport& budget) {
+  return {{"seconds", budget.seconds},
+          {"spent_seconds", budget.spent_seconds},
+          {"processes", budget.processes},
+          {"targets", budget.targets},
+          {"rounds", to_json(budget.rounds)},
+          {"notes", budget.notes}};
+}
+
 }  // namespace
 
 std::string report_json(const Report& report) {
@@ -370,6 +390,7 @@ std::string report_json(const Report& report) {
                    {"error_against_time", to_json(report.error_against_time)},
                    {"costs", to_json(report.costs)}};
   if (!report.seeds.empty()) document["seeds"] = to_json(report.seeds);
+  if (report.budget) document["budget"] = to_json(*report.budget);
   if (report.series) {
     document["series"] = to_json(*report.series);
   } else {  // a law was given or fitted

@@ -17,6 +17,7 @@ struct Figures {
   std::vector<FigureGroup> in_time;   ///< per run
   std::vector<FigureGroup> flows;     ///< of the runs that are no chutes
   FigureGroup time;
+  FigureGroup budget;
   std::vector<FigureGroup> series;
   std::vector<FigureGroup> material;
   FigureGroup contact_friction;
@@ -58,6 +59,7 @@ Html contact_friction_section(const ContactFrictionReport& report,
                               const Pictures& pictures);
 Html seed_section(const Report& report);
 Html time_section(const Report& report, const FigureGroup& group, const Pictures& pictures);
+Html budget_section(const BudgetReport& budget, const FigureGroup& group, const Pictures& pictures);
 Html cost_section(const Report& report);
 Html health_section(const Report& report);
 Html answer_section(const Report& report);

@@ -41,6 +41,7 @@ std::vector<const FigureGroup*> all_groups(const Figures& figures) {
   for (const FigureGroup& group : figures.in_time) groups.push_back(&group);
   for (const FigureGroup& group : figures.flows) groups.push_back(&group);
   groups.push_back(&figures.time);
+  groups.push_back(&figures.budget);
   for (const FigureGroup& group : figures.series) groups.push_back(&group);
   for (const FigureGroup& group : figures.material) groups.push_back(&group);
   groups.push_back(&figures.contact_friction);

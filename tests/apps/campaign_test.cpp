@@ -245,6 +245,28 @@ TEST_F(Campaigns, AListRunsWhereverAndIsGatheredToTheSameTable) {
   if (!parallel) GTEST_SKIP() << "GNU parallel is not installed: the list was run by sh";
 }
 
+TEST_F(Campaigns, ABudgetSpreadsItsFirstRunsAndThenGoesOnWhereTheyLeaveMostUnknown) {
+  const Output budget = calibrate("out", "--budget 12s");
+  ASSERT_EQ(budget.code, 0) << budget.text;
+  EXPECT_TRUE(there("out/table.toml"));
+  // The ends of ln I and the place farthest from both, a run each.
+  for (const char* name : {"I0.1_p0.01_Bo0_b1", "I0.22_p0.01_Bo0_b1", "I0.14_p0.01_Bo0_b1"}) {
+    EXPECT_TRUE(there(std::string("out/runs/") + name + ".h5")) << budget.text;
+  }
+  const auto report = nlohmann::json::parse(read(path("out/report.json")));
+  const auto& rounds = report["budget"]["rounds"];
+  ASSERT_GE(rounds.size(), 1u);
+  EXPECT_EQ(rounds[0]["runs"].size(), 3u);
+  EXPECT_NE(read(path("out/report.html")).find("id=\"budget\""), std::string::npos);
+}
+
+TEST_F(Campaigns, ABudgetTooSmallForThreeRunsNamesOneThatIsNot) {
+  write_campaign("", "3000.0");  // three shortest runs of 188 strains each
+  const Output budget = calibrate("out", "--budget 4s");
+  EXPECT_EQ(budget.code, 1) << budget.text;
+  EXPECT_TRUE(budget.says("too small") && budget.says("give at least")) << budget.text;
+}
+
 TEST_F(Campaigns, RunsOfOtherGrainsOrStatesAreRefused) {
   ASSERT_EQ(calibrate("out").code, 0);
   write_campaign("", "4.0");  // averaged for longer: the same states
