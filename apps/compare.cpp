@@ -123,7 +123,7 @@ void take_notes(report::Report& report, const std::vector<std::string>& notes) {
 
 /// What a start from rest is held against, where frames were joined.
 void note_joined_frames(const io::RunRecord& run, report::RunComparison& compared) {
-  if (run.reduced_from.empty() || compared.start_error.empty()) return;
+  if (run.reduced_from.empty() || compared.in_time.empty()) return;
   const dem::ProfileFrame& first = run.data.frames.frames.front();
   compared.notes.push_back(
       fmt::format("{}: a reduced file, its start is averaged over {:.3g} sqrt(d/g) at a time",

@@ -28,10 +28,10 @@ namespace grainlaw::report {
 struct RunComparison {
   dem::LocalData data;
   calibration::SampleKind kind = calibration::SampleKind::in_sample;
-  continuum::SteadyChute steady;                   ///< quadrature
+  continuum::SteadyChute steady;  ///< quadrature
   /// CVODE through the tilts of the run, with snapshots at the DEM frame times.
   std::optional<continuum::TransientChute> transient;
-  std::vector<calibration::Stretch> in_time;  ///< the two side by side, tilt by tilt
+  std::vector<calibration::Stretch> in_time;       ///< the two side by side, tilt by tilt
   std::optional<calibration::ProfileError> error;  ///< absent: no steady profile on one side
   double steady_against_transient = 0.0;  ///< relative max difference, quadrature against CVODE
   std::optional<calibration::ProfileError> naive_error;  ///< nearest calibration profile rescaled
