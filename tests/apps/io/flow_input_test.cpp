@@ -34,7 +34,7 @@ TEST(FlowInput, ReadsTheShippedCases) {
   EXPECT_EQ(plane.gravity, 1.0);
   EXPECT_EQ(*shipped("plane_shear").band->nonlocal_amplitude, 0.48);
   const CaseFile box = shipped("body_force_box");
-  EXPECT_EQ(std::get<BodyForceBox>(box.band->flow).amplitude, 1.8);
+  EXPECT_EQ(std::get<BodyForceBox>(box.band->flow).amplitude, 2.0);
   EXPECT_EQ(*box.band->grains.stiffness, 2e4);
   EXPECT_FALSE(box.band->nonlocal_amplitude);
   EXPECT_EQ(shipped("simple_shear").simple_shear->bond_numbers.size(), 13u);

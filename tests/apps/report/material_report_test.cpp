@@ -123,7 +123,7 @@ TEST_F(MaterialReportTest, JsonHoldsPointsInformationAndCost) {
   ASSERT_EQ(part["cost"].size(), 5u);
   EXPECT_DOUBLE_EQ(part["cost"][4]["dem_wall_seconds"], 26.0 * 10.0);
   EXPECT_EQ(part["reference"]["name"], "shi2020_mu_p_0.50");
-  EXPECT_EQ(part["families"].size(), 12u);
+  EXPECT_EQ(part["families"].size(), 8u);
 }
 
 TEST(FrictionTablesProgram, TableInBetweenFollowsFromTheShippedRows) {
