@@ -182,7 +182,7 @@ void add_line(Summary& summary, const report::Score& score, std::size_t table) {
                          label,
                          100.0 * score.difference.value,
                          100.0 * score.difference.error,
-                         profile ? "% (relative L2)" : "%");
+                         profile ? "% (L2)" : "%");
   } else if (score.quantity != "phi") {  // says the same again
     summary.add(key, label, score.remark);
   }

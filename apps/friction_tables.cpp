@@ -19,7 +19,9 @@ namespace {
 namespace fs = std::filesystem;
 
 std::string joined(const std::vector<std::string>& sentences) {
-  return fmt::format("{}", fmt::join(sentences, "; "));
+  std::string text;
+  for (const std::string& sentence : sentences) text += (text.empty() ? "" : "; ") + sentence;
+  return text;
 }
 
 bool complete(const calibration::FrictionDependences& curves,

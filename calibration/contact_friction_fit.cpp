@@ -146,12 +146,16 @@ bool all_equal(const std::vector<dem::Estimate>& values) {
 
 std::string too_few(std::vector<double> contact_frictions, std::size_t tables) {
   std::sort(contact_frictions.begin(), contact_frictions.end());
+  std::string at;
+  for (const double mu_p : contact_frictions) {
+    at += (at.empty() ? "" : ", ") + fmt::format("{}", mu_p);
+  }
   return fmt::format(
       "{} of {} tables state it, at mu_p = {}; a curve has three coefficients and needs 4 "
       "different mu_p",
       contact_frictions.size(),
       tables,
-      fmt::join(contact_frictions, ", "));
+      at);
 }
 
 /// What keeps coefficients from a curve, each reason once with all it holds for.
