@@ -15,15 +15,13 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/shell.h"
+
 namespace {
 
 namespace fs = std::filesystem;
 
-struct Output {
-  int code = -1;
-  std::string text;  ///< stdout and stderr
-
-  bool says(const std::string& words) const { return text.find(words) != std::string::npos; }
+struct Output : grainlaw::testing::CommandOutput {
   nlohmann::json json() const {
     const std::size_t begin = text.find("\n{");
     return nlohmann::json::parse(text.substr(begin == std::string::npos ? 0 : begin));
@@ -31,16 +29,7 @@ struct Output {
 };
 
 Output shell(const std::string& command) {
-  Output output;
-  FILE* pipe = popen(("(" + command + ") 2>&1").c_str(), "r");
-  if (pipe == nullptr) return output;
-  std::array<char, 4096> buffer{};
-  while (std::size_t n = std::fread(buffer.data(), 1, buffer.size(), pipe)) {
-    output.text.append(buffer.data(), n);
-  }
-  const int status = pclose(pipe);
-  output.code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  return output;
+  return {grainlaw::testing::run_command(command)};
 }
 
 const std::string bin = GRAINLAW_BIN;

@@ -10,27 +10,16 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "tests/support/shell.h"
+
 namespace {
 
 namespace fs = std::filesystem;
 
-struct Output {
-  int code = -1;
-  std::string text;  ///< stdout and stderr
-};
+using Output = grainlaw::testing::CommandOutput;
 
 Output grainlaw(const std::string& arguments) {
-  Output output;
-  const std::string command = std::string(GRAINLAW_BIN) + "/grainlaw " + arguments + " 2>&1";
-  FILE* pipe = popen(command.c_str(), "r");
-  if (pipe == nullptr) return output;
-  std::array<char, 4096> buffer{};
-  while (std::size_t n = std::fread(buffer.data(), 1, buffer.size(), pipe)) {
-    output.text.append(buffer.data(), n);
-  }
-  const int status = pclose(pipe);
-  output.code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  return output;
+  return grainlaw::testing::run_command(std::string(GRAINLAW_BIN) + "/grainlaw " + arguments);
 }
 
 const std::string tables = std::string(GRAINLAW_DATA) + "/tables/";

@@ -14,24 +14,15 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/shell.h"
+
 namespace grainlaw {
 namespace {
 
 namespace fs = std::filesystem;
 
-struct Output {
-  int code = -1;
-  std::string text;
-};
-
-Output run(const std::string& command) {
-  Output output;
-  FILE* pipe = popen((command + " 2>&1").c_str(), "r");
-  std::array<char, 4096> buffer{};
-  while (std::fgets(buffer.data(), buffer.size(), pipe) != nullptr) output.text += buffer.data();
-  output.code = WEXITSTATUS(pclose(pipe));
-  return output;
-}
+using Output = grainlaw::testing::CommandOutput;
+const auto run = grainlaw::testing::run_command;
 
 const std::string data = GRAINLAW_DATA;
 const std::string frictional = data + "/tables/shi2020_mu_p_0.50.toml";
@@ -40,7 +31,7 @@ Output predict(const std::string& arguments) {
   return run(std::string(GRAINLAW_BIN) + "/grainlaw-predict " + arguments);
 }
 
-class PredictChute : public testing::Test {
+class PredictChute : public ::testing::Test {
  protected:
   void SetUp() override { fs::create_directories(folder); }
   void TearDown() override { fs::remove_all(folder); }

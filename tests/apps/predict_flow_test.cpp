@@ -11,24 +11,15 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "tests/support/shell.h"
+
 namespace grainlaw {
 namespace {
 
 namespace fs = std::filesystem;
 
-struct Output {
-  int code = -1;
-  std::string text;
-};
-
-Output run(const std::string& command) {
-  Output output;
-  FILE* pipe = popen((command + " 2>&1").c_str(), "r");
-  std::array<char, 4096> buffer{};
-  while (std::fgets(buffer.data(), buffer.size(), pipe) != nullptr) output.text += buffer.data();
-  output.code = WEXITSTATUS(pclose(pipe));
-  return output;
-}
+using Output = grainlaw::testing::CommandOutput;
+const auto run = grainlaw::testing::run_command;
 
 const std::string data = GRAINLAW_DATA;
 
@@ -41,7 +32,7 @@ Output predict_shipped(const std::string& name, const std::string& more) {
   return predict(data + "/cases/" + name + ".toml", more);
 }
 
-class PredictFlow : public testing::Test {
+class PredictFlow : public ::testing::Test {
  protected:
   void SetUp() override { fs::create_directories(folder); }
   void TearDown() override { fs::remove_all(folder); }

@@ -9,29 +9,17 @@
 #include <sstream>
 
 #include "tests/apps/io/temporary_directory.h"
+#include "tests/support/shell.h"
 
 namespace grainlaw {
 namespace {
 
 namespace fs = std::filesystem;
 
-struct Output {
-  int code = -1;
-  std::string text;  ///< stdout and stderr
-};
+using Output = grainlaw::testing::CommandOutput;
 
 Output study(const std::string& arguments) {
-  Output output;
-  FILE* pipe =
-      popen((std::string(GRAINLAW_BIN) + "/grainlaw study " + arguments + " 2>&1").c_str(), "r");
-  if (pipe == nullptr) return output;
-  std::array<char, 4096> buffer{};
-  while (std::size_t n = std::fread(buffer.data(), 1, buffer.size(), pipe)) {
-    output.text.append(buffer.data(), n);
-  }
-  const int status = pclose(pipe);
-  output.code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  return output;
+  return grainlaw::testing::run_command(std::string(GRAINLAW_BIN) + "/grainlaw study " + arguments);
 }
 
 std::string read(const fs::path& path) {
@@ -60,7 +48,7 @@ averaging_time = 400.0
 time_limit = 4000.0
 )";
 
-class StudyProgram : public testing::Test {
+class StudyProgram : public ::testing::Test {
  protected:
   std::string time_step(const std::string& more = {}) const {
     folder_.write("box.toml", box);
