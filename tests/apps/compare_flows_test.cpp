@@ -1,10 +1,7 @@
 // `grainlaw compare` on runs that are no chutes, as a person meets it.
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
-#include <array>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>

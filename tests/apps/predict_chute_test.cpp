@@ -1,11 +1,8 @@
 // grainlaw-predict on chutes, as a person meets it: sweeps and the certificate.
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
