@@ -142,6 +142,31 @@ void add_series_lines(Summary& summary, const calibration::ContactSeries& contac
   if (!contacts.left_out.empty()) summary.add("left_out", "left out", contacts.left_out);
 }
 
+void add_cohesion_lines(Summary& summary, const calibration::CohesionSeries& cohesion) {
+  if (cohesion.mu0) {
+    summary.add_estimate("mu0", "mu0 without cohesion", cohesion.mu0->value, cohesion.mu0->error);
+  }
+  for (const calibration::CohesivePoint& point : cohesion.points) {
+    summary.add_estimate("tau_c_" + point.name,
+                         "tau_c of " + point.name,
+                         point.yield_stress.value,
+                         point.yield_stress.error,
+                         "(stress-rate pairs)");
+  }
+  for (const calibration::PooledCohesion& one : cohesion.pooled) {
+    summary.add_estimate(
+        fmt::format("c0_{:.3g}", one.attraction),
+        fmt::format("c0 at f_a = {:.3g} m g", one.attraction),
+        one.cohesion.value,
+        one.cohesion.error,
+        one.tilts > 1 ? fmt::format("({} tilts, chance of one value {:.2g})", one.tilts, one.chance)
+                      : "(one tilt)");
+  }
+  if (!cohesion.left_out.empty()) {
+    summary.add("cohesion_left_out", "left out", cohesion.left_out);
+  }
+}
+
 void add_seed_lines(Summary& summary, const std::vector<report::SeedScatter>& seeds) {
   for (const report::SeedScatter& one : seeds) {
     summary.add(
@@ -207,6 +232,7 @@ Summary write_results(const report::Report& report, Summary summary, const fs::p
   if (report.series) {
     report::write_report(report, directory);
     add_series_lines(summary, report.series->contacts);
+    if (report.series->cohesion) add_cohesion_lines(summary, *report.series->cohesion);
     summary.add("report", "report", (directory / "report.html").string());
     return summary;
   }
@@ -224,13 +250,13 @@ Summary write_results(const report::Report& report, Summary summary, const fs::p
   return summary;
 }
 
-/// The table that the law of shear boxes is held against, where one is given.
-std::optional<continuum::RheologyTable> reference_of(const io::Campaign& campaign,
-                                                     const Arguments& arguments) {
+/// The table that shear boxes or the runs of a series are held against, where one is given.
+std::optional<Reference> reference_of(const io::Campaign& campaign, const Arguments& arguments) {
   if (arguments.reference.empty()) return {};
-  if (campaign.shear_boxes.empty()) {
+  if (campaign.shear_boxes.empty() && campaign.series.empty()) {
     throw io::InputError(
-        "--reference goes with [[shear_boxes]]; hold runs of chutes against a table with "
+        "--reference goes with [[shear_boxes]] and [[series]]; hold runs of chutes against a table "
+        "with "
         "`grainlaw compare`");
   }
   continuum::RheologyTable table = io::read_table(arguments.reference);
@@ -240,7 +266,7 @@ std::optional<continuum::RheologyTable> reference_of(const io::Campaign& campaig
                     "is wanted as --reference",
                     arguments.reference));
   }
-  return table;
+  return Reference{fs::path(arguments.reference).stem().string(), std::move(table)};
 }
 
 /// From finished runs, or from runs of its own: as many as the budget allows, where there is one.
@@ -284,14 +310,10 @@ ExitCode run(const io::Campaign& campaign,
   Summary summary;
   add_run_lines(summary, data);
   for (const io::RunRecord& record : data.imported) add_checks(summary, record);
-  report::Report report = evaluate(campaign, std::move(data), directory);
+  report::Report report = evaluate(campaign, std::move(data), directory, reference);
   if (budget) add_budget_lines(summary, *budget);
   report.budget = std::move(budget);
   report.command = "grainlaw calibrate " + fs::path(arguments.campaign).filename().string();
-  if (report.material && reference) {
-    report.material->reference = *reference;
-    report.material->reference_name = fs::path(arguments.reference).stem().string();
-  }
   print(write_results(report, std::move(summary), directory), options);
   return ExitCode::answered;
 }
@@ -365,7 +387,9 @@ int main(int argc, char** argv) {
                    arguments.from,
                    "finished runs, folders of them, or imports (.toml) to use; run nothing");
   line.flag("--list", arguments.list, "write the scenes, print a command for each, run nothing");
-  line.option("--reference", arguments.reference, "table to compare the law of shear boxes with");
+  line.option("--reference",
+              arguments.reference,
+              "table to hold shear boxes or the runs of series against");
   line.option_list("--tables",
                    arguments.tables,
                    "no campaign: fit the coefficients of these tables over contact friction");

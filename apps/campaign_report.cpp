@@ -128,7 +128,10 @@ void record_checks(continuum::RheologyTable& table,
 }
 
 /// The runs of the series, in their order. No law is fitted, no flow predicted.
-void study_series(report::Report& report, const io::Campaign& campaign, const CampaignData& data) {
+void study_series(report::Report& report,
+                  const io::Campaign& campaign,
+                  const CampaignData& data,
+                  const std::optional<Reference>& reference) {
   report::SeriesReport result;
   std::vector<calibration::SeriesRun> runs;
   for (const io::ChuteSeries& series : campaign.series) {
@@ -142,6 +145,13 @@ void study_series(report::Report& report, const io::Campaign& campaign, const Ca
   }
   constexpr std::size_t touching = 0;  // the smallest d_c
   result.contacts = calibration::contact_series(runs, touching);
+  const auto attracts = [](const calibration::SeriesRun& entry) {
+    return entry.run->conditions.attraction > 0.0;
+  };
+  if (std::ranges::any_of(runs, attracts)) {
+    result.cohesion = calibration::cohesion_series(runs, reference ? &reference->table : nullptr);
+    if (reference) result.law_name = reference->name;
+  }
   report.series = std::move(result);
 }
 
@@ -158,7 +168,8 @@ continuum::RheologyTable fit_law(const io::Campaign& campaign, const CampaignDat
 
 report::Report evaluate(const io::Campaign& campaign,
                         CampaignData data,
-                        const fs::path& directory) {
+                        const fs::path& directory,
+                        const std::optional<Reference>& reference) {
   report::Report report;
   report.title = campaign.title;
   report.machine = machine();
@@ -166,13 +177,17 @@ report::Report evaluate(const io::Campaign& campaign,
   report.costs = std::move(data.costs);
   if (!campaign.series.empty()) {
     const StageClock clock(report, "fit");
-    study_series(report, campaign, data);
+    study_series(report, campaign, data, reference);
     return report;
   }
   const bool boxes = !campaign.shear_boxes.empty();
   {
     const StageClock clock(report, "fit");
     boxes ? fit_boxes(report, campaign, data) : fit_chutes(report, data);
+  }
+  if (report.material && reference) {
+    report.material->reference = reference->table;
+    report.material->reference_name = reference->name;
   }
   name_data(report.table.provenance, data);
   write_predictions(campaign, report.table, directory / "predictions");

@@ -250,18 +250,6 @@ bool same_grains(const dem::ChuteConditions& a, const dem::ChuteConditions& b) {
          a.attraction == b.attraction && a.base == b.base;
 }
 
-continuum::ChuteCase chute_case(const dem::ChuteConditions& conditions) {
-  continuum::ChuteCase chute;
-  chute.inclination = conditions.inclination;
-  chute.gravity = conditions.gravity;
-  chute.mass_per_area = conditions.mass_per_area;
-  chute.grains.diameter = conditions.grain_diameter;
-  chute.grains.density = conditions.grain_density;
-  chute.grains.stiffness = conditions.stiffness;
-  if (conditions.attraction > 0.0) chute.grains.adhesion = conditions.attraction;
-  return chute;
-}
-
 Prediction predict_chute(const continuum::RheologyTable& table, const dem::LocalData& data) {
   const auto start = steady_clock::now();
   const continuum::ChuteCase chute = chute_case(data.conditions);

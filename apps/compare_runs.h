@@ -5,14 +5,14 @@
 #include <vector>
 
 #include "apps/report/report.h"
+#include "calibration/comparison.h"
 
 namespace grainlaw {
 
 /// Same grains on the same base: diameter, density, stiffness, contact friction, recipe.
 bool same_grains(const dem::ChuteConditions& a, const dem::ChuteConditions& b);
 
-/// The chute of a run as the continuum solver sees it: only what is known before the run.
-continuum::ChuteCase chute_case(const dem::ChuteConditions& conditions);
+using calibration::chute_case;
 
 /// Steady quadrature with band, and CVODE through the tilts of a run.
 struct Prediction {

@@ -155,6 +155,18 @@ double relative_norm(const std::vector<LocalRow>& rows, Part part) {
 
 }  // namespace
 
+continuum::ChuteCase chute_case(const dem::ChuteConditions& conditions) {
+  continuum::ChuteCase chute;
+  chute.inclination = conditions.inclination;
+  chute.gravity = conditions.gravity;
+  chute.mass_per_area = conditions.mass_per_area;
+  chute.grains.diameter = conditions.grain_diameter;
+  chute.grains.density = conditions.grain_density;
+  chute.grains.stiffness = conditions.stiffness;
+  if (conditions.attraction > 0.0) chute.grains.adhesion = conditions.attraction;
+  return chute;
+}
+
 std::string_view name(SampleKind kind) {
   switch (kind) {
     case SampleKind::in_sample:

@@ -11,6 +11,9 @@
 
 namespace grainlaw::calibration {
 
+/// The chute of a run as the continuum solver sees it: only what is known before the run.
+continuum::ChuteCase chute_case(const dem::ChuteConditions& conditions);
+
 /// How a run relates to the data a law was fitted to; never mixed in one number.
 enum class SampleKind {
   in_sample,       ///< fitted to this very run

@@ -10,6 +10,7 @@
 #include "calibration/band_comparison.h"
 #include "calibration/comparison.h"
 #include "calibration/contact_friction_fit.h"
+#include "calibration/cohesion_series.h"
 #include "calibration/contact_series.h"
 #include "calibration/information.h"
 #include "calibration/material_band.h"
@@ -128,6 +129,8 @@ struct LifetimeCurve {
 struct SeriesReport {
   calibration::ContactSeries contacts;
   std::vector<LifetimeCurve> curves;
+  std::optional<calibration::CohesionSeries> cohesion;  ///< absent: no grains attract each other
+  std::string law_name;  ///< of the table whose Xi stands beside the measured one; empty: none
 };
 
 struct StageCost {

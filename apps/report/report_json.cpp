@@ -47,6 +47,9 @@ json to_json(const calibration::ContactPoint&);
 json to_json(const calibration::RatioLaw&);
 json to_json(const calibration::StiffnessLaws&);
 json to_json(const calibration::RankCorrelation&);
+json to_json(const calibration::CohesivePoint&);
+json to_json(const calibration::PooledCohesion&);
+json to_json(const calibration::CohesionSeries&);
 json to_json(const SeriesReport&);
 
 json to_json(const dem::Estimate& estimate) {
@@ -338,13 +341,46 @@ json to_json(const calibration::RankCorrelation& correlation) {
   return {{"with", correlation.with}, {"value", correlation.value}, {"runs", correlation.runs}};
 }
 
+json to_json(const calibration::CohesivePoint& point) {
+  const auto& plug = point.plug;
+  return {{"name", point.name},
+          {"series", point.series},
+          {"attraction", point.attraction},
+          {"inclination", point.inclination},
+          {"layer_height", point.layer_height},
+          {"flowing_height", point.flowing_height()},
+          {"plug_thickness", plug ? json(plug->thickness) : json(nullptr)},
+          {"tau_c_weight", plug ? to_json(plug->yield_stress_from_weight) : json(nullptr)},
+          {"tau_c_pairs", to_json(point.yield_stress)},
+          {"tau_c_at_bound", point.at_bound},
+          {"c0", to_json(point.cohesion)},
+          {"Xi", to_json(point.ratio)},
+          {"Xi_of_law", point.ratio_of_law ? json(*point.ratio_of_law) : json(nullptr)}};
+}
+
+json to_json(const calibration::PooledCohesion& one) {
+  return {{"attraction", one.attraction},
+          {"c0", to_json(one.cohesion)},
+          {"tilts", one.tilts},
+          {"chance", one.chance}};
+}
+
+json to_json(const calibration::CohesionSeries& cohesion) {
+  return {{"mu0", to_json(cohesion.mu0)},
+          {"points", to_json(cohesion.points)},
+          {"pooled", to_json(cohesion.pooled)},
+          {"left_out", cohesion.left_out}};
+}
+
 json to_json(const SeriesReport& series) {
   const calibration::ContactSeries& contacts = series.contacts;
   return {{"points", to_json(contacts.points)},
           {"stiffness", to_json(contacts.stiffness)},
           {"lifetime_law", to_json(contacts.lifetime_law)},
           {"rank_correlations", to_json(contacts.correlations)},
-          {"left_out", contacts.left_out}};
+          {"left_out", contacts.left_out},
+          {"cohesion", to_json(series.cohesion)},
+          {"law", series.law_name}};
 }
 
 json to_json(const SeedScatter& one) {

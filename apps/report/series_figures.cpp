@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "apps/report/cohesion_section.h"
 #include "apps/report/figure.h"
 
 namespace grainlaw::report {
@@ -258,6 +259,7 @@ std::vector<FigureGroup> series_figures(const SeriesReport& series) {
   add(ratio_figure(series, names));
   add(lifetime_figure(series, names));
   add(collision_figure(series, names));
+  if (series.cohesion) groups.push_back(cohesion_figures(*series.cohesion));
   return groups;
 }
 

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "apps/report/cohesion_section.h"
 #include "apps/report/numbers.h"
 #include "apps/report/sections.h"
 
@@ -150,6 +151,7 @@ Html series_section(const SeriesReport& series,
   for (const FigureGroup& group : groups) content += show(group, pictures);
   const Table laws = law_table(contacts);
   if (!laws.rows.empty()) content += table(laws);
+  if (series.cohesion) content += "<h3>Cohesion</h3>\n"_html + cohesion_tables(series);
   return section("series",
                  "Series: the linear stress and how long contacts last"_html,
                  content + correlations(contacts) + left_out(contacts));

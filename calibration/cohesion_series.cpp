@@ -1,0 +1,185 @@
+#include "calibration/cohesion_series.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "calibration/bagnold_solve.h"
+#include "calibration/comparison.h"
+#include "calibration/model_choice.h"
+#include "calibration/mu_phi_fit.h"
+#include "calibration/observations.h"
+#include "continuum/chute_1d.h"
+
+namespace grainlaw::calibration {
+namespace {
+
+namespace slot = bagnold_slot;
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+double weight_of_grain(const dem::ChuteConditions& grains) {
+  return grains.grain_density * std::numbers::pi / 6.0 * std::pow(grains.grain_diameter, 3) *
+         grains.gravity;
+}
+
+BagnoldForm form_of(bool profile, bool yields, double mass_below_base) {
+  BagnoldForm form{.profile = profile, .pairs = true};
+  form.free[slot::tau_c] = yields;
+  form.free[slot::mass_below] = profile;
+  form.fixed[slot::mass_below] = mass_below_base;
+  return form;
+}
+
+/// Stress and shear rate of the flow that a law predicts at the masses of the measured rows, with
+/// their weights; rows in its plug are left out. Nothing where fewer than four flow.
+std::optional<BagnoldInput> as_predicted(const BagnoldInput& measured,
+                                         const dem::ChuteConditions& grains,
+                                         const continuum::RheologyTable& table) {
+  const auto rows = continuum::steady_chute(table, chute_case(grains), {.rows = 401}).profile.rows;
+  BagnoldInput input = measured;
+  input.data.velocity.clear();
+  input.data.shear_stress.clear();
+  input.data.shear_rate.clear();
+  input.errors = {};
+  input.blocks.clear();
+  for (std::size_t k = 0; k < measured.data.mass_above.size(); ++k) {
+    const double mass = measured.data.mass_above[k];
+    const auto above =
+        std::ranges::find_if(rows, [&](const auto& row) { return row.mass_above < mass; });
+    if (above == rows.begin() || above == rows.end()) continue;
+    const continuum::ProfileRow& below = *(above - 1);
+    const double share = (below.mass_above - mass) / (below.mass_above - above->mass_above);
+    const double rate = std::lerp(below.shear_rate, above->shear_rate, share);
+    if (!(rate > 0.0)) continue;
+    input.data.velocity.push_back(0.0);  // not looked at
+    input.data.shear_rate.push_back(rate);
+    input.data.shear_stress.push_back(std::lerp(below.shear_stress, above->shear_stress, share));
+    input.errors.shear_rate.push_back(measured.errors.shear_rate[k]);
+    input.errors.shear_stress.push_back(measured.errors.shear_stress[k]);
+  }
+  if (input.data.shear_rate.size() < 4) return std::nullopt;
+  return input;
+}
+
+FittedCoefficient ratio_at_half(const BagnoldInput& input, const BagnoldForm& form) {
+  return stress_ratio(solve_bagnold(input, form), input, 0.5);
+}
+
+CohesivePoint point_of(const SeriesRun& entry, const continuum::RheologyTable* table) {
+  const dem::LocalData& run = *entry.run;
+  const dem::ChuteConditions& grains = run.conditions;
+  Observations rows = select_rows(run, {});
+  CohesivePoint point{.name = run.name, .series = entry.series};
+  point.attraction = grains.attraction / weight_of_grain(grains);
+  point.inclination = grains.inclination;
+  point.layer_height = run.rows[rows.rows.back()].z / grains.grain_diameter;
+  point.plug = find_plug(run, rows);
+  if (point.plug) leave_out_plug(run, *point.plug, rows);
+  const BagnoldInput input = prepare(run, rows);
+  const SolvedBagnold pairs = solve_bagnold(input, form_of(false, true, input.mass_below_base));
+  const auto k = static_cast<std::size_t>(pairs.unknown(slot::tau_c));
+  const int column = static_cast<int>(k);
+  point.yield_stress = {pairs.values[slot::tau_c],
+                        std::sqrt(pairs.uncertainty.covariance(column, column))};
+  point.at_bound = pairs.minimum.at_bound[k];
+  point.cohesion = {nan, nan};
+  const bool yields = grains.attraction > 0.0;
+  point.ratio = ratio_at_half(input, form_of(true, yields, input.mass_below_base));
+  if (!table) return point;
+  if (const auto predicted = as_predicted(input, grains, *table)) {
+    const BagnoldForm pairs_alone = form_of(false, yields, input.mass_below_base);
+    point.ratio_of_law = ratio_at_half(*predicted, pairs_alone).value;
+  }
+  return point;
+}
+
+std::optional<dem::Estimate> friction_at_rest(std::span<const SeriesRun> runs,
+                                              std::vector<std::string>& left_out) {
+  std::vector<dem::LocalData> loose;
+  for (const SeriesRun& entry : runs) {
+    if (entry.run->conditions.attraction == 0.0 && entry.run->window.steady) {
+      loose.push_back(*entry.run);
+    }
+  }
+  try {
+    if (loose.size() < 3) throw FitError("three chutes without cohesion are needed");
+    const FittedCoefficient mu0 = fit_mu_phi(loose).friction["mu0"];
+    return dem::Estimate{mu0.value, mu0.error};
+  } catch (const FitError& error) {
+    left_out.push_back(std::string("mu0, and with it c0: ") + error.what());
+    return std::nullopt;
+  }
+}
+
+/// c0 at every tilt share the error of mu0: generalised least squares of one value.
+PooledCohesion pool(const std::vector<const CohesivePoint*>& points, const dem::Estimate& mu0) {
+  const auto n = static_cast<Eigen::Index>(points.size());
+  Eigen::VectorXd c0(n);
+  Eigen::VectorXd own(n);
+  Eigen::VectorXd shared(n);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const CohesivePoint& point = *points[static_cast<std::size_t>(k)];
+    const double tangent = std::tan(point.inclination);
+    c0[k] = point.cohesion.value;
+    own[k] = point.yield_stress.error * (1.0 - mu0.value / tangent);
+    shared[k] = point.yield_stress.value * mu0.error / tangent;
+  }
+  const Eigen::MatrixXd covariance =
+      own.cwiseAbs2().asDiagonal().toDenseMatrix() + shared * shared.transpose();
+  const Eigen::LDLT<Eigen::MatrixXd> solver(covariance);
+  const Eigen::VectorXd ones = Eigen::VectorXd::Ones(n);
+  const double weight = ones.dot(solver.solve(ones));
+  PooledCohesion result{.attraction = points.front()->attraction, .tilts = static_cast<int>(n)};
+  result.cohesion = {ones.dot(solver.solve(c0)) / weight, std::sqrt(1.0 / weight)};
+  const Eigen::VectorXd off = c0.array() - result.cohesion.value;
+  const double freedom = static_cast<double>(n - 1);
+  constexpr double very_many = 1e6;
+  result.chance =
+      n > 1 ? f_survival(off.dot(solver.solve(off)) / freedom, freedom, very_many) : nan;
+  return result;
+}
+
+void add_cohesion(CohesionSeries& series) {
+  if (!series.mu0) return;
+  for (CohesivePoint& point : series.points) {
+    const double tangent = std::tan(point.inclination);
+    if (tangent <= series.mu0->value) continue;
+    point.cohesion = material_cohesion(point.yield_stress, point.inclination, series.mu0->value);
+    point.cohesion.error =
+        std::hypot(point.cohesion.error, point.yield_stress.value * series.mu0->error / tangent);
+  }
+  std::vector<double> strengths;
+  for (const CohesivePoint& point : series.points) {
+    const bool known = std::ranges::find(strengths, point.attraction) != strengths.end();
+    if (point.attraction > 0.0 && !known) strengths.push_back(point.attraction);
+  }
+  for (const double strength : strengths) {
+    std::vector<const CohesivePoint*> points;
+    for (const CohesivePoint& point : series.points) {
+      const bool counts = point.attraction == strength && std::isfinite(point.cohesion.value);
+      if (counts && point.cohesion.error > 0.0) points.push_back(&point);
+    }
+    if (!points.empty()) series.pooled.push_back(pool(points, *series.mu0));
+  }
+}
+
+}  // namespace
+
+CohesionSeries cohesion_series(std::span<const SeriesRun> runs,
+                               const continuum::RheologyTable* table) {
+  CohesionSeries series;
+  series.mu0 = friction_at_rest(runs, series.left_out);
+  for (const SeriesRun& entry : runs) {
+    try {
+      series.points.push_back(point_of(entry, table));
+    } catch (const FitError& error) {
+      series.left_out.push_back(entry.run->name + ": " + error.what());
+    }
+  }
+  add_cohesion(series);
+  return series;
+}
+
+}  // namespace grainlaw::calibration
