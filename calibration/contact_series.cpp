@@ -18,34 +18,49 @@ dem::Estimate scaled(const dem::Estimate& estimate, double factor) {
 constexpr std::size_t level_of_paper = 1;
 static_assert(dem::LifetimeDistribution::levels[level_of_paper] == 0.1);
 
-ContactPoint point_of(const SeriesRun& entry, std::size_t distance) {
-  const dem::LocalData& run = *entry.run;
-  if (!run.window.steady) throw FitError("is not steady: " + run.window.reason);
-  if (!run.lifetimes || distance >= run.lifetimes->distances.size()) {
-    throw FitError("has no lifetimes of contacts; its scene needs a [lifetimes] section");
-  }
-  const dem::LifetimeDistribution& lifetimes = run.lifetimes->distances[distance];
-  const dem::ChuteConditions& grains = run.conditions;
-  const double gd = run.lifetimes->shear_rate;
-  const double diameter = grains.grain_diameter;
-  const double weight =
-      grains.grain_density * std::acos(-1.0) / 6.0 * std::pow(diameter, 3) * grains.gravity;
-  const BagnoldFit fit = fit_bagnold(run, {.cohesive = grains.attraction > 0.0});
-  ContactPoint point{.name = run.name, .series = entry.series};
-  point.stiffness = grains.stiffness * diameter / weight;
+void add_lifetimes(const dem::LifetimeStatistics& statistics,
+                   std::size_t distance,
+                   double gravity_time,
+                   ContactPoint& point) {
+  const dem::LifetimeDistribution& lifetimes = statistics.distances[distance];
+  const double gd = statistics.shear_rate;
   point.shear_rate = gd;
-  std::copy_n(fit.variants.front().ratios.begin(), point.ratio.size(), point.ratio.begin());
   point.mean = scaled(lifetimes.mean, gd);
   point.mode = scaled(lifetimes.mode, gd);
   point.long_lifetime = lifetimes.long_lifetime[level_of_paper];
   point.tail_sampled = lifetimes.tail_sampled(level_of_paper);
-  point.collision_rate = scaled(lifetimes.collision_rate, std::sqrt(diameter / grains.gravity));
+  point.collision_rate = scaled(lifetimes.collision_rate, gravity_time);
   const double z = lifetimes.collision_rate.value * lifetimes.mean.value;
   point.coordination = {
       z,
       z * std::hypot(lifetimes.collision_rate.error / lifetimes.collision_rate.value,
                      lifetimes.mean.error / lifetimes.mean.value)};
   point.contacts = lifetimes.contacts;
+}
+
+ContactPoint point_of(const SeriesRun& entry, std::size_t distance) {
+  const dem::LocalData& run = *entry.run;
+  if (!run.window.steady) throw FitError("is not steady: " + run.window.reason);
+  const dem::ChuteConditions& grains = run.conditions;
+  const double diameter = grains.grain_diameter;
+  const double weight =
+      grains.grain_density * std::acos(-1.0) / 6.0 * std::pow(diameter, 3) * grains.gravity;
+  const BagnoldFit fit = fit_bagnold(run, {.cohesive = grains.attraction > 0.0});
+  ContactPoint point{.name = run.name, .series = entry.series};
+  point.stiffness = grains.stiffness * diameter / weight;
+  std::copy_n(fit.variants.front().ratios.begin(), point.ratio.size(), point.ratio.begin());
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  point.shear_rate = nan;
+  for (dem::Estimate* lifetime : {&point.mean,
+                                  &point.mode,
+                                  &point.long_lifetime,
+                                  &point.collision_rate,
+                                  &point.coordination}) {
+    *lifetime = {nan, nan};
+  }
+  if (run.lifetimes && distance < run.lifetimes->distances.size()) {
+    add_lifetimes(*run.lifetimes, distance, std::sqrt(diameter / grains.gravity), point);
+  }
   return point;
 }
 
@@ -71,7 +86,8 @@ std::optional<RatioLaw> law_of_stiffness(const std::vector<const ContactPoint*>&
                                          ContactSeries& series) {
   std::vector<RatioPoint> pairs;
   for (const ContactPoint* point : points) {
-    pairs.push_back({point->name, point->stiffness, quantity(*point)});
+    const dem::Estimate value = quantity(*point);
+    if (!std::isnan(value.value)) pairs.push_back({point->name, point->stiffness, value});
   }
   try {
     return fit_ratio_power_law(pairs, rule);
@@ -114,6 +130,7 @@ void add_stiffness_laws(ContactSeries& series, const RatioRule& rule) {
 void add_lifetime_law(ContactSeries& series, const RatioRule& rule) {
   std::vector<RatioPoint> pairs;
   for (const ContactPoint& point : series.points) {
+    if (!point.has_lifetimes()) continue;
     if (!point.tail_sampled) {
       series.left_out.push_back(point.name + ": too few long contacts for gd tau_l");
       continue;

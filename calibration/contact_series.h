@@ -16,7 +16,8 @@ namespace grainlaw::calibration {
 inline constexpr std::array<double, 3> ratio_heights{0.25, 0.5, 0.75};
 
 /// What one chute says of its rheology and of its contacts, side by side. Lifetimes are those of
-/// one definition of a contact (d_c), scaled with the shear rate gd of the slice.
+/// one definition of a contact (d_c), scaled with the shear rate gd of the slice; not a number where
+/// contacts were not followed.
 struct ContactPoint {
   std::string name;
   std::string series;                        ///< of runs that differ in one property
@@ -30,6 +31,8 @@ struct ContactPoint {
   dem::Estimate coordination{};              ///< N_c times the mean lifetime
   double contacts = 0.0;                     ///< lifetimes that were seen whole
   bool tail_sampled = false;                 ///< gd tau_l rests on enough long contacts
+
+  bool has_lifetimes() const { return contacts > 0.0; }
 };
 
 /// Spearman's rank correlation with Xi at half height, over the runs that have both.
@@ -64,7 +67,7 @@ struct SeriesRun {
 
 /// Fits the generalised Bagnold law to every run for its Xi, and the laws of Xi over all.
 /// `distance` is the index of the contact definition among those of the runs. Runs that are not
-/// steady, have no lifetimes or cannot be fitted are named. Never throws FitError.
+/// steady or cannot be fitted are named. Never throws FitError.
 ContactSeries contact_series(std::span<const SeriesRun> runs,
                              std::size_t distance,
                              const RatioRule& rule = {});

@@ -127,7 +127,7 @@ void read_series_keys(InputFile& in, Keys& keys) {
     ChuteSeries series;
     series.name = section.read<std::string>({"name", "of the series, for figures"});
     auto scenes = section.read<std::vector<std::string>>(
-        {"scenes", "chutes with [lifetimes], relative to this file"});
+        {"scenes", "chutes, relative to this file; their [lifetimes] are compared where they have them"});
     refuse_empty(section, "scenes", scenes);
     refuse_repeated(section, "scenes", scenes);
     keys.series_scenes.push_back(std::move(scenes));
@@ -248,13 +248,12 @@ void require_same_grains(const InputFile& in,
                               "size_ratio): one law belongs to one kind of grains"));
 }
 
-void require_lifetimes(const InputFile& in, const std::string& section, const SceneFile& file) {
-  const dem::Scene& scene = file.scene;
-  if (std::holds_alternative<dem::Chute>(scene.geometry) && scene.lifetimes) return;
+void require_chute_of_series(const InputFile& in,
+                             const std::string& section,
+                             const SceneFile& file) {
+  if (std::holds_alternative<dem::Chute>(file.scene.geometry)) return;
   throw InputError(in.message(
-      section,
-      "scenes",
-      fmt::format("{}: a series takes chutes with a [lifetimes] section", file.path.string())));
+      section, "scenes", fmt::format("{}: a series takes chutes", file.path.string())));
 }
 
 void read_series_scenes(const InputFile& in, const Keys& keys, Campaign& campaign) {
@@ -262,7 +261,7 @@ void read_series_scenes(const InputFile& in, const Keys& keys, Campaign& campaig
     const std::string section = keys.series[k].name();
     for (const std::string& name : keys.series_scenes[k]) {
       campaign.series[k].scenes.push_back(scene_of(in, section, name, "scenes"));
-      require_lifetimes(in, section, campaign.series[k].scenes.back());
+      require_chute_of_series(in, section, campaign.series[k].scenes.back());
     }
   }
 }

@@ -254,11 +254,15 @@ std::vector<FigureGroup> series_figures(const SeriesReport& series) {
   }
   for (std::size_t k = 0; k < names.size(); ++k) {
     groups.front().data[points_file(k)] = points_csv(series, names[k]);
-    add(distribution_figure(series, names[k], k + 1));
+    if (std::ranges::find(series.curves, names[k], &LifetimeCurve::series) != series.curves.end()) {
+      add(distribution_figure(series, names[k], k + 1));
+    }
   }
   add(ratio_figure(series, names));
-  add(lifetime_figure(series, names));
-  add(collision_figure(series, names));
+  if (!series.curves.empty()) {
+    add(lifetime_figure(series, names));
+    add(collision_figure(series, names));
+  }
   if (series.cohesion) groups.push_back(cohesion_figures(*series.cohesion));
   return groups;
 }

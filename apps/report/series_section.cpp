@@ -58,6 +58,7 @@ Table lifetime_table(const calibration::ContactSeries& contacts) {
                .rows = {},
                .text_columns = 1};
   for (const ContactPoint& point : contacts.points) {
+    if (!point.has_lifetimes()) continue;
     result.rows.push_back(
         {text(point.name),
          text(significant(point.mean.value, 3)),

@@ -88,13 +88,15 @@ TEST(ContactSeries, RanksOfXiFollowTheLongLifetimeAndNotAShorterOneThatDoesNotOr
   EXPECT_LT(series.correlations[2].value, 0.5);
 }
 
-TEST(ContactSeries, RunsWithoutLifetimesAreNamedAndTheOthersStay) {
+TEST(ContactSeries, RunsWithoutLifetimesHaveTheirXiAlone) {
   std::vector<dem::LocalData> runs = stiffness_series();
   runs[1].lifetimes.reset();
   runs[2].window = {.steady = false, .reason = "drifting"};
   const ContactSeries series = series_of(runs);
-  EXPECT_EQ(series.points.size(), 2u);
-  EXPECT_TRUE(mentions(series.left_out, "kn10000: has no lifetimes"));
+  ASSERT_EQ(series.points.size(), 3u);
+  EXPECT_FALSE(series.points[1].has_lifetimes());
+  EXPECT_GT(series.points[1].ratio[1].value, 0.0);
+  EXPECT_TRUE(std::isnan(series.points[1].mean.value));
   EXPECT_TRUE(mentions(series.left_out, "kn20000: is not steady: drifting"));
   EXPECT_FALSE(series.lifetime_law);
   EXPECT_TRUE(mentions(series.left_out, "3 points"));
