@@ -50,6 +50,22 @@ std::array<double, 3> start_values(const BagnoldInput& input, const std::string&
   return {a, 0.0, std::max(input.mass_below_base, data.mass - profile.flowing_mass)};
 }
 
+/// The lowest of the rows at the top that shear slower than this share of the fastest row, or no
+/// faster than chance; rows.size() where the top row shears.
+std::size_t first_slow_row(const dem::LocalData& run,
+                           const std::vector<std::size_t>& rows,
+                           double share) {
+  double fastest = 0.0;
+  for (const std::size_t k : rows) fastest = std::max(fastest, run.rows[k].shear_rate.value);
+  std::size_t first = rows.size();
+  while (first > 0) {
+    const dem::Estimate& rate = run.rows[rows[first - 1]].shear_rate;
+    if (rate.value > std::max(share * fastest, 3.0 * rate.error)) break;
+    --first;
+  }
+  return first;
+}
+
 }  // namespace
 
 BagnoldInput prepare(const dem::LocalData& run, const Observations& observations) {
@@ -69,13 +85,9 @@ BagnoldInput prepare(const dem::LocalData& run, const Observations& observations
 
 std::optional<Plug> find_plug(const dem::LocalData& run, const Observations& observations) {
   constexpr double thinnest = 3.0;  // [d]: fewer rows can be at rest by chance
+  constexpr double creep = 0.05;    // of the fastest row: below a plug's edge gd falls gradually
   const std::vector<std::size_t>& rows = observations.rows;
-  std::size_t first = rows.size();  // of the rows in the plug
-  while (first > 0) {
-    const dem::Estimate& rate = run.rows[rows[first - 1]].shear_rate;
-    if (!(rate.value <= 3.0 * rate.error)) break;
-    --first;
-  }
+  const std::size_t first = first_slow_row(run, rows, creep);
   if (first == 0 || first == rows.size()) return std::nullopt;
   const LocalRow& below = run.rows[rows[first - 1]];
   const LocalRow& lowest = run.rows[rows[first]];
@@ -85,9 +97,15 @@ std::optional<Plug> find_plug(const dem::LocalData& run, const Observations& obs
   if (plug.thickness < thinnest) return std::nullopt;
   const double weight_down = run.conditions.gravity * std::sin(run.conditions.inclination);
   const double mass = 0.5 * (below.mass_above + lowest.mass_above);
-  // The plug ends anywhere between the two rows: a uniform distribution.
-  const double half = 0.5 * (below.mass_above - lowest.mass_above);
-  plug.yield_stress_from_weight = {weight_down * mass, weight_down * half / std::sqrt(3.0)};
+  // The plug ends anywhere between the two rows, a uniform distribution, and half or twice the
+  // creep could be taken for rest.
+  const double half_row = 0.5 * (below.mass_above - lowest.mass_above) / std::sqrt(3.0);
+  const auto mass_above = [&](double share) {
+    const std::size_t k = first_slow_row(run, rows, share);
+    return run.rows[rows[std::min(k, rows.size() - 1)]].mass_above;
+  };
+  const double choice = 0.5 * (mass_above(2.0 * creep) - mass_above(0.5 * creep));
+  plug.yield_stress_from_weight = {weight_down * mass, weight_down * std::hypot(half_row, choice)};
   return plug;
 }
 
@@ -97,7 +115,7 @@ void leave_out_plug(const dem::LocalData& run, const Plug& plug, Observations& o
   std::erase_if(observations.rows, [&](std::size_t k) { return run.rows[k].z > bottom; });
   std::ostringstream text;
   text << before - observations.rows.size() << " rows above z = " << bottom
-       << ": they move as a plug, their shear rate is below 3 standard errors";
+       << ": they move as a plug, their shear rate is below 5 % of the largest or 3 standard errors";
   observations.left_out.push_back(text.str());
 }
 

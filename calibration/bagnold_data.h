@@ -39,7 +39,9 @@ struct BagnoldInput {
 /// Throws FitError where the velocity does not rise towards the surface.
 BagnoldInput prepare(const dem::LocalData& run, const Observations& observations);
 
-/// The rows at the top that do not shear, gd < 3 standard errors, where they are 3 d thick or more.
+/// The rows at the top that hardly shear, where they are 3 d thick or more: gd below 5 % of the
+/// fastest row, since gd fades gradually into a plug, or below 3 standard errors. The error of the
+/// stress at the edge holds half a row and the choice of 2.5 or 10 % instead.
 std::optional<Plug> find_plug(const dem::LocalData& run, const Observations& observations);
 
 /// Takes the rows of the plug out, and says so.

@@ -37,8 +37,9 @@ Table yield_table(const CohesionSeries& cohesion) {
   Table result{
       .caption =
           "Yield stress of chutes, in <i>mg</i>/<i>d</i>². <i>f<sub>a</sub></i>: largest "
-          "attraction of a pair; <i>H</i>: height of the layer; plug: the rows at the top whose "
-          "shear rate is below three standard errors, 3 <i>d</i> or more; "
+          "attraction of a pair; <i>H</i>: height of the layer; plug: the rows at the top that "
+          "shear at less than 5 % of the fastest row, 3 <i>d</i> or more, its error that of "
+          "2.5 or 10 % instead; "
           "<i>c</i><sub>0</sub> = <i>τ<sub>c</sub></i>(1 − <i>μ</i><sub>0</sub>/tan <i>θ</i>)."_html,
       .head = {"Run"_html,
                "<i>f<sub>a</sub></i>/(<i>mg</i>)"_html,
