@@ -144,14 +144,13 @@ void study_series(report::Report& report,
     }
   }
   constexpr std::size_t touching = 0;  // the smallest d_c
-  result.contacts = calibration::contact_series(runs, touching);
+  const continuum::RheologyTable* law = reference ? &reference->table : nullptr;
+  if (reference) result.law_name = reference->name;
+  result.contacts = calibration::contact_series(runs, touching, {}, law);
   const auto attracts = [](const calibration::SeriesRun& entry) {
     return entry.run->conditions.attraction > 0.0;
   };
-  if (std::ranges::any_of(runs, attracts)) {
-    result.cohesion = calibration::cohesion_series(runs, reference ? &reference->table : nullptr);
-    if (reference) result.law_name = reference->name;
-  }
+  if (std::ranges::any_of(runs, attracts)) result.cohesion = calibration::cohesion_series(runs);
   report.series = std::move(result);
 }
 

@@ -114,8 +114,9 @@ void leave_out_plug(const dem::LocalData& run, const Plug& plug, Observations& o
   const std::size_t before = observations.rows.size();
   std::erase_if(observations.rows, [&](std::size_t k) { return run.rows[k].z > bottom; });
   std::ostringstream text;
-  text << before - observations.rows.size() << " rows above z = " << bottom
-       << ": they move as a plug, their shear rate is below 5 % of the largest or 3 standard errors";
+  text
+      << before - observations.rows.size() << " rows above z = " << bottom
+      << ": they move as a plug, their shear rate is below 5 % of the largest or 3 standard errors";
   observations.left_out.push_back(text.str());
 }
 

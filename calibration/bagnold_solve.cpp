@@ -179,6 +179,10 @@ struct Ratio {
 
 }  // namespace
 
+BagnoldForm stress_rate_pairs(bool yields) {
+  return {.profile = false, .pairs = true, .free = {true, true, yields, false}};
+}
+
 int SolvedBagnold::unknown(std::size_t wanted) const {
   if (!form.free[wanted]) return -1;
   return static_cast<int>(

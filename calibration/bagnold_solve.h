@@ -22,6 +22,9 @@ struct BagnoldForm {
   std::array<double, bagnold_slot::count> fixed{};  ///< values of those that are not free
 };
 
+/// Pairs of stress and shear rate alone; these know no base.
+BagnoldForm stress_rate_pairs(bool yields);
+
 /// The law at the minimum.
 struct SolvedBagnold {
   BagnoldForm form;

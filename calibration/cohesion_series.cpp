@@ -7,11 +7,9 @@
 #include <numbers>
 
 #include "calibration/bagnold_solve.h"
-#include "calibration/comparison.h"
 #include "calibration/model_choice.h"
 #include "calibration/mu_phi_fit.h"
 #include "calibration/observations.h"
-#include "continuum/chute_1d.h"
 
 namespace grainlaw::calibration {
 namespace {
@@ -24,50 +22,7 @@ double weight_of_grain(const dem::ChuteConditions& grains) {
          grains.gravity;
 }
 
-BagnoldForm form_of(bool profile, bool yields, double mass_below_base) {
-  BagnoldForm form{.profile = profile, .pairs = true};
-  form.free[slot::tau_c] = yields;
-  form.free[slot::mass_below] = profile;
-  form.fixed[slot::mass_below] = mass_below_base;
-  return form;
-}
-
-/// Stress and shear rate of the flow that a law predicts at the masses of the measured rows, with
-/// their weights; rows in its plug are left out. Nothing where fewer than four flow.
-std::optional<BagnoldInput> as_predicted(const BagnoldInput& measured,
-                                         const dem::ChuteConditions& grains,
-                                         const continuum::RheologyTable& table) {
-  const auto rows = continuum::steady_chute(table, chute_case(grains), {.rows = 401}).profile.rows;
-  BagnoldInput input = measured;
-  input.data.velocity.clear();
-  input.data.shear_stress.clear();
-  input.data.shear_rate.clear();
-  input.errors = {};
-  input.blocks.clear();
-  for (std::size_t k = 0; k < measured.data.mass_above.size(); ++k) {
-    const double mass = measured.data.mass_above[k];
-    const auto above =
-        std::ranges::find_if(rows, [&](const auto& row) { return row.mass_above < mass; });
-    if (above == rows.begin() || above == rows.end()) continue;
-    const continuum::ProfileRow& below = *(above - 1);
-    const double share = (below.mass_above - mass) / (below.mass_above - above->mass_above);
-    const double rate = std::lerp(below.shear_rate, above->shear_rate, share);
-    if (!(rate > 0.0)) continue;
-    input.data.velocity.push_back(0.0);  // not looked at
-    input.data.shear_rate.push_back(rate);
-    input.data.shear_stress.push_back(std::lerp(below.shear_stress, above->shear_stress, share));
-    input.errors.shear_rate.push_back(measured.errors.shear_rate[k]);
-    input.errors.shear_stress.push_back(measured.errors.shear_stress[k]);
-  }
-  if (input.data.shear_rate.size() < 4) return std::nullopt;
-  return input;
-}
-
-FittedCoefficient ratio_at_half(const BagnoldInput& input, const BagnoldForm& form) {
-  return stress_ratio(solve_bagnold(input, form), input, 0.5);
-}
-
-CohesivePoint point_of(const SeriesRun& entry, const continuum::RheologyTable* table) {
+CohesivePoint point_of(const SeriesRun& entry) {
   const dem::LocalData& run = *entry.run;
   const dem::ChuteConditions& grains = run.conditions;
   Observations rows = select_rows(run, {});
@@ -78,20 +33,13 @@ CohesivePoint point_of(const SeriesRun& entry, const continuum::RheologyTable* t
   point.plug = find_plug(run, rows);
   if (point.plug) leave_out_plug(run, *point.plug, rows);
   const BagnoldInput input = prepare(run, rows);
-  const SolvedBagnold pairs = solve_bagnold(input, form_of(false, true, input.mass_below_base));
+  const SolvedBagnold pairs = solve_bagnold(input, stress_rate_pairs(true));
   const auto k = static_cast<std::size_t>(pairs.unknown(slot::tau_c));
   const int column = static_cast<int>(k);
   point.yield_stress = {pairs.values[slot::tau_c],
                         std::sqrt(pairs.uncertainty.covariance(column, column))};
   point.at_bound = pairs.minimum.at_bound[k];
   point.cohesion = {nan, nan};
-  const bool yields = grains.attraction > 0.0;
-  point.ratio = ratio_at_half(input, form_of(true, yields, input.mass_below_base));
-  if (!table) return point;
-  if (const auto predicted = as_predicted(input, grains, *table)) {
-    const BagnoldForm pairs_alone = form_of(false, yields, input.mass_below_base);
-    point.ratio_of_law = ratio_at_half(*predicted, pairs_alone).value;
-  }
   return point;
 }
 
@@ -167,13 +115,12 @@ void add_cohesion(CohesionSeries& series) {
 
 }  // namespace
 
-CohesionSeries cohesion_series(std::span<const SeriesRun> runs,
-                               const continuum::RheologyTable* table) {
+CohesionSeries cohesion_series(std::span<const SeriesRun> runs) {
   CohesionSeries series;
   series.mu0 = friction_at_rest(runs, series.left_out);
   for (const SeriesRun& entry : runs) {
     try {
-      series.points.push_back(point_of(entry, table));
+      series.points.push_back(point_of(entry));
     } catch (const FitError& error) {
       series.left_out.push_back(entry.run->name + ": " + error.what());
     }

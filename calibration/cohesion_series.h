@@ -7,7 +7,6 @@
 
 #include "calibration/bagnold_fit.h"
 #include "calibration/contact_series.h"
-#include "continuum/rheology_table.h"
 #include "dem/local_data.h"
 
 namespace grainlaw::calibration {
@@ -23,8 +22,6 @@ struct CohesivePoint {
   dem::Estimate yield_stress{};  ///< tau_c of stress-rate pairs [stress]; >= 0
   bool at_bound = false;         ///< of the pairs: they would have it below 0
   dem::Estimate cohesion{};      ///< c0 that belongs to it; NaN where mu0 is not known
-  FittedCoefficient ratio{};     ///< Xi = b/(a gd) at half the flowing height, profile and pairs
-  std::optional<double> ratio_of_law{};  ///< the same of the flow that a table predicts
 
   double flowing_height() const { return plug ? plug->height : layer_height; }
 };
@@ -47,11 +44,7 @@ struct CohesionSeries {
 
 /// Fits tau - tau_c = a gd^2 + b gd to every run with tau_c free. mu0 comes from the runs without
 /// attraction, where they have three tilts; c0 = tau_c (1 - mu0/tan(theta)) with the error of both.
-/// With a table of mu(I, p*, Bo), whose stress knows no lifetimes of contacts, the steady flow it
-/// predicts at the masses of the rows is fitted alike, by its stress and shear rate: its Xi is what
-/// softness and a yield that depends on pressure make by themselves. Runs that cannot be fitted are
-/// named. Never throws FitError.
-CohesionSeries cohesion_series(std::span<const SeriesRun> runs,
-                               const continuum::RheologyTable* table = nullptr);
+/// Runs that cannot be fitted are named. Never throws FitError.
+CohesionSeries cohesion_series(std::span<const SeriesRun> runs);
 
 }  // namespace grainlaw::calibration

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "calibration/bagnold_fit.h"
+#include "calibration/ratio_of_law.h"
 
 namespace grainlaw::calibration {
 namespace {
@@ -38,7 +39,9 @@ void add_lifetimes(const dem::LifetimeStatistics& statistics,
   point.contacts = lifetimes.contacts;
 }
 
-ContactPoint point_of(const SeriesRun& entry, std::size_t distance) {
+ContactPoint point_of(const SeriesRun& entry,
+                      std::size_t distance,
+                      const continuum::RheologyTable* table) {
   const dem::LocalData& run = *entry.run;
   if (!run.window.steady) throw FitError("is not steady: " + run.window.reason);
   const dem::ChuteConditions& grains = run.conditions;
@@ -48,6 +51,8 @@ ContactPoint point_of(const SeriesRun& entry, std::size_t distance) {
   const BagnoldFit fit = fit_bagnold(run, {.cohesive = grains.attraction > 0.0});
   ContactPoint point{.name = run.name, .series = entry.series};
   point.stiffness = grains.stiffness * diameter / weight;
+  point.attraction = grains.attraction / weight;
+  if (table) point.ratio_of_law = ratio_of_law(run, *table);
   std::copy_n(fit.variants.front().ratios.begin(), point.ratio.size(), point.ratio.begin());
   constexpr double nan = std::numeric_limits<double>::quiet_NaN();
   point.shear_rate = nan;
@@ -209,11 +214,12 @@ double rank_correlation(std::span<const double> x, std::span<const double> y) {
 
 ContactSeries contact_series(std::span<const SeriesRun> runs,
                              std::size_t distance,
-                             const RatioRule& rule) {
+                             const RatioRule& rule,
+                             const continuum::RheologyTable* table) {
   ContactSeries series;
   for (const SeriesRun& entry : runs) {
     try {
-      series.points.push_back(point_of(entry, distance));
+      series.points.push_back(point_of(entry, distance, table));
     } catch (const FitError& error) {
       series.left_out.push_back(entry.run->name + ": " + error.what());
     }

@@ -8,6 +8,7 @@
 
 #include "calibration/fit_summary.h"
 #include "calibration/ratio_laws.h"
+#include "continuum/rheology_table.h"
 #include "dem/local_data.h"
 
 namespace grainlaw::calibration {
@@ -16,14 +17,16 @@ namespace grainlaw::calibration {
 inline constexpr std::array<double, 3> ratio_heights{0.25, 0.5, 0.75};
 
 /// What one chute says of its rheology and of its contacts, side by side. Lifetimes are those of
-/// one definition of a contact (d_c), scaled with the shear rate gd of the slice; not a number where
-/// contacts were not followed.
+/// one definition of a contact (d_c), scaled with the shear rate gd of the slice; not a number
+/// where contacts were not followed.
 struct ContactPoint {
   std::string name;
   std::string series;                        ///< of runs that differ in one property
   double stiffness = 0.0;                    ///< k_n d / (m g)
   double shear_rate = 0.0;                   ///< gd of the slice [1/time]
+  double attraction = 0.0;                   ///< f_a, the largest of a pair [m g]
   std::array<FittedCoefficient, 3> ratio{};  ///< Xi = b/(a gd) at the three heights
+  std::optional<double> ratio_of_law{};      ///< Xi at h/2 of the flow a table predicts
   dem::Estimate mean{};                      ///< gd times the mean lifetime
   dem::Estimate mode{};                      ///< gd times the most probable lifetime
   dem::Estimate long_lifetime{};             ///< gd tau_l, where P(gd t) = 0.1 (eq. 13)
@@ -67,10 +70,12 @@ struct SeriesRun {
 
 /// Fits the generalised Bagnold law to every run for its Xi, and the laws of Xi over all.
 /// `distance` is the index of the contact definition among those of the runs. Runs that are not
-/// steady or cannot be fitted are named. Never throws FitError.
+/// steady or cannot be fitted are named. With a table, Xi of the flow it predicts stands beside the
+/// measured one (see ratio_of_law). Never throws FitError.
 ContactSeries contact_series(std::span<const SeriesRun> runs,
                              std::size_t distance,
-                             const RatioRule& rule = {});
+                             const RatioRule& rule = {},
+                             const continuum::RheologyTable* table = nullptr);
 
 /// Spearman's rank correlation; ties take their mean rank. NaN for fewer than 3 pairs,
 /// and where one side has one value only.

@@ -26,18 +26,12 @@ Html pairs_text(const CohesivePoint& point) {
   return text(fmt::format("0 (+ {})", significant(point.yield_stress.error, 2)));
 }
 
-std::string xi_text(const calibration::FittedCoefficient& ratio) {
-  return fmt::format("{} [{}, {}]",
-                     with_error({.value = ratio.value, .error = ratio.error}),
-                     significant(ratio.interval.lower, 2),
-                     significant(ratio.interval.upper, 2));
-}
-
 Table yield_table(const CohesionSeries& cohesion) {
   Table result{
       .caption =
           "Yield stress of chutes, in <i>mg</i>/<i>d</i>². <i>f<sub>a</sub></i>: largest "
-          "attraction of a pair; <i>H</i>: height of the layer; plug: the rows at the top that "
+          "attraction of a pair; <i>H</i>: height of the layer, <i>h</i>: of its flowing part; "
+          "plug: the rows at the top that "
           "shear at less than 5 % of the fastest row, 3 <i>d</i> or more, its error that of "
           "2.5 or 10 % instead; "
           "<i>c</i><sub>0</sub> = <i>τ<sub>c</sub></i>(1 − <i>μ</i><sub>0</sub>/tan <i>θ</i>)."_html,
@@ -45,6 +39,7 @@ Table yield_table(const CohesionSeries& cohesion) {
                "<i>f<sub>a</sub></i>/(<i>mg</i>)"_html,
                "<i>θ</i>"_html,
                "<i>H</i>/<i>d</i>"_html,
+               "<i>h</i>/<i>d</i>"_html,
                "Plug [<i>d</i>]"_html,
                "<i>τ<sub>c</sub></i>, weight of the plug"_html,
                "<i>τ<sub>c</sub></i>, stress–rate pairs"_html,
@@ -57,39 +52,11 @@ Table yield_table(const CohesionSeries& cohesion) {
          text(significant(point.attraction, 3)),
          text(degrees(point.inclination)),
          text(fixed(point.layer_height, 1)),
+         text(fixed(point.flowing_height(), 1)),
          text(point.plug ? fixed(point.plug->thickness, 1) : "none"),
          point.plug ? estimate_text(point.plug->yield_stress_from_weight) : text("–"),
          pairs_text(point),
          estimate_text(point.cohesion)});
-  }
-  return result;
-}
-
-Table ratio_table(const CohesionSeries& cohesion, const std::string& law) {
-  Table result{
-      .caption =
-          "Linear stress with cohesion: <i>Ξ</i> = <i>b</i>/(<i>a</i> <i>γ̇</i>) with 95 % at half "
-          "the flowing height <i>h</i>."_html,
-      .head = {"Run"_html,
-               "<i>h</i>/<i>d</i>"_html,
-               "<i>Ξ</i>(<i>h</i>/2)"_html,
-               "<i>Ξ</i>(<i>h</i>/2) of the law"_html},
-      .rows = {},
-      .text_columns = 1};
-  if (law.empty()) result.head.pop_back();
-  if (!law.empty()) {
-    result.caption +=
-        " Of the law: the flow that "_html + text(law) +
-        " predicts, fitted alike; its stress knows softness and a yield that depends on the "
-        "pressure, and no lifetimes of contacts."_html;
-  }
-  for (const CohesivePoint& point : cohesion.points) {
-    std::vector<Html> row = {
-        text(point.name), text(fixed(point.flowing_height(), 1)), text(xi_text(point.ratio))};
-    if (!law.empty()) {
-      row.push_back(text(point.ratio_of_law ? significant(*point.ratio_of_law, 3) : "no flow"));
-    }
-    result.rows.push_back(std::move(row));
   }
   return result;
 }
@@ -115,17 +82,9 @@ Html one_value(const CohesionSeries& cohesion) {
 
 /// Points of one tilt, by attraction.
 Csv points_csv(const CohesionSeries& cohesion, double inclination) {
-  Csv csv{.columns = {"fa",
-                      "tau_c weight",
-                      "tau_c weight error",
-                      "tau_c pairs",
-                      "tau_c pairs error",
-                      "h",
-                      "Xi",
-                      "Xi low",
-                      "Xi high",
-                      "Xi law"},
-          .rows = {}};
+  Csv csv{
+      .columns = {"fa", "tau_c weight", "tau_c weight error", "tau_c pairs", "tau_c pairs error"},
+      .rows = {}};
   for (const CohesivePoint& point : cohesion.points) {
     if (point.inclination != inclination) continue;
     const dem::Estimate weight =
@@ -134,12 +93,7 @@ Csv points_csv(const CohesionSeries& cohesion, double inclination) {
                         weight.value,
                         weight.error,
                         point.yield_stress.value,
-                        point.yield_stress.error,
-                        point.flowing_height(),
-                        point.ratio.value,
-                        point.ratio.interval.lower,
-                        point.ratio.interval.upper,
-                        point.ratio_of_law.value_or(nan)});
+                        point.yield_stress.error});
   }
   return csv;
 }
@@ -170,19 +124,17 @@ std::string head(const std::string& name, const char* y) {
 
 }  // namespace
 
-Html cohesion_tables(const SeriesReport& series) {
-  const CohesionSeries& cohesion = *series.cohesion;
+Html cohesion_tables(const CohesionSeries& cohesion) {
   std::vector<Html> items;
   for (const std::string& sentence : cohesion.left_out) items.push_back(text(sentence));
   return table(yield_table(cohesion)) + one_value(cohesion) +
-         table(ratio_table(cohesion, series.law_name)) + (items.empty() ? Html{} : list(items));
+         (items.empty() ? Html{} : list(items));
 }
 
 FigureGroup cohesion_figures(const CohesionSeries& cohesion) {
   FigureGroup group;
   const std::vector<double> tilts = tilts_of(cohesion);
   std::string yield;
-  std::string ratio;
   for (std::size_t k = 0; k < tilts.size(); ++k) {
     const std::string file = file_of(k);
     const std::string tilt = degrees(tilts[k]);
@@ -197,26 +149,13 @@ FigureGroup cohesion_figures(const CohesionSeries& cohesion) {
         point_style(2 * k),
         tilt,
         point_style(2 * k + 1));
-    ratio += fmt::format(
-        "{0}'{1}' using \"fa\":\"Xi\":\"Xi low\":\"Xi high\" with yerrorbars {2} title '{3}', \\\n"
-        "     '{1}' using \"fa\":\"Xi law\" with linespoints {4} pt 0 title '{3}, law'",
-        separator,
-        file,
-        point_style(k),
-        tilt,
-        line_style(k));
   }
   group.figures = {
       {.name = "cohesion_yield",
        .script = head("cohesion_yield", "τ_c {/:Italic d}²/({/:Italic m g})") + yield + "\n",
        .label = "Yield stress against attraction",
        .caption = "Yield stress on the incline, from stress–rate pairs and from the weight of the "
-                  "plug; bars: one standard error"_html},
-      {.name = "cohesion_ratio",
-       .script = head("cohesion_ratio", "Ξ at half the flowing height") + ratio + "\n",
-       .label = "Ratio of the linear to the quadratic stress against attraction",
-       .caption = "<i>Ξ</i> at half the flowing height; bars: 95 %; lines: the flow a law without "
-                  "lifetimes of contacts predicts"_html}};
+                  "plug; bars: one standard error"_html}};
   return group;
 }
 

@@ -8,9 +8,9 @@ namespace grainlaw::report {
 
 /// Yield stress, material cohesion and plug of chutes of cohesive grains, as tables; part of the
 /// section of the series.
-Html cohesion_tables(const SeriesReport& series);
+Html cohesion_tables(const calibration::CohesionSeries& cohesion);
 
-/// tau_c and Xi over the strength of the attraction.
+/// tau_c over the strength of the attraction.
 FigureGroup cohesion_figures(const calibration::CohesionSeries& cohesion);
 
 }  // namespace grainlaw::report

@@ -8,9 +8,9 @@
 
 #include "calibration/bagnold_fit.h"
 #include "calibration/band_comparison.h"
+#include "calibration/cohesion_series.h"
 #include "calibration/comparison.h"
 #include "calibration/contact_friction_fit.h"
-#include "calibration/cohesion_series.h"
 #include "calibration/contact_series.h"
 #include "calibration/information.h"
 #include "calibration/material_band.h"

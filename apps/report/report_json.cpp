@@ -313,8 +313,10 @@ json to_json(const calibration::ContactPoint& point) {
   return {{"name", point.name},
           {"series", point.series},
           {"stiffness", point.stiffness},
+          {"attraction", point.attraction},
           {"shear_rate", point.shear_rate},
           {"Xi", to_json(std::vector(point.ratio.begin(), point.ratio.end()))},
+          {"Xi_of_law", point.ratio_of_law ? json(*point.ratio_of_law) : json(nullptr)},
           {"scaled_mean", to_json(point.mean)},
           {"scaled_mode", to_json(point.mode)},
           {"scaled_long_lifetime", to_json(point.long_lifetime)},
@@ -353,9 +355,7 @@ json to_json(const calibration::CohesivePoint& point) {
           {"tau_c_weight", plug ? to_json(plug->yield_stress_from_weight) : json(nullptr)},
           {"tau_c_pairs", to_json(point.yield_stress)},
           {"tau_c_at_bound", point.at_bound},
-          {"c0", to_json(point.cohesion)},
-          {"Xi", to_json(point.ratio)},
-          {"Xi_of_law", point.ratio_of_law ? json(*point.ratio_of_law) : json(nullptr)}};
+          {"c0", to_json(point.cohesion)}};
 }
 
 json to_json(const calibration::PooledCohesion& one) {

@@ -20,7 +20,7 @@ Html with_interval(const FittedCoefficient& c) {
                           significant(c.interval.upper, 2)));
 }
 
-Table ratio_table(const calibration::ContactSeries& contacts) {
+Table ratio_table(const calibration::ContactSeries& contacts, const std::string& law) {
   Table result{.caption =
                    "Rheology: <i>Ξ</i> = <i>b</i>/(<i>a</i> <i>γ̇</i>) with 95 % at three "
                    "shares of the flowing height."_html,
@@ -32,6 +32,13 @@ Table ratio_table(const calibration::ContactSeries& contacts) {
                         "<i>Ξ</i>(3<i>h</i>/4)"_html},
                .rows = {},
                .text_columns = 2};
+  if (!law.empty()) {
+    result.head.push_back("<i>Ξ</i>(<i>h</i>/2) of the law"_html);
+    result.caption +=
+        " Of the law: the flow that "_html + text(law) +
+        " predicts, fitted alike; its stress knows softness and a yield that depends on the "
+        "pressure, and no lifetimes of contacts."_html;
+  }
   for (const ContactPoint& point : contacts.points) {
     result.rows.push_back({text(point.series),
                            text(point.name),
@@ -39,6 +46,9 @@ Table ratio_table(const calibration::ContactSeries& contacts) {
                            with_interval(point.ratio[0]),
                            with_interval(point.ratio[1]),
                            with_interval(point.ratio[2])});
+    if (law.empty()) continue;
+    result.rows.back().push_back(
+        text(point.ratio_of_law ? significant(*point.ratio_of_law, 3) : "no flow"));
   }
   return result;
 }
@@ -148,11 +158,11 @@ Html series_section(const SeriesReport& series,
                     const std::vector<FigureGroup>& groups,
                     const Pictures& pictures) {
   const calibration::ContactSeries& contacts = series.contacts;
-  Html content = table(ratio_table(contacts)) + table(lifetime_table(contacts));
+  Html content = table(ratio_table(contacts, series.law_name)) + table(lifetime_table(contacts));
   for (const FigureGroup& group : groups) content += show(group, pictures);
   const Table laws = law_table(contacts);
   if (!laws.rows.empty()) content += table(laws);
-  if (series.cohesion) content += "<h3>Cohesion</h3>\n"_html + cohesion_tables(series);
+  if (series.cohesion) content += "<h3>Cohesion</h3>\n"_html + cohesion_tables(*series.cohesion);
   return section("series",
                  "Series: the linear stress and how long contacts last"_html,
                  content + correlations(contacts) + left_out(contacts));

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <vector>
 
+#include "calibration/ratio_of_law.h"
 #include "support/calibration_checks.h"
 #include "support/synthetic_chute.h"
 
@@ -43,11 +44,10 @@ std::vector<dem::LocalData> without_cohesion() {
   return {run(chute(22, 0, 1), 0), run(chute(23, 0, 2), 0), run(chute(25, 0, 3), 0)};
 }
 
-CohesionSeries series_of(const std::vector<dem::LocalData>& runs,
-                         const continuum::RheologyTable* table = nullptr) {
+CohesionSeries series_of(const std::vector<dem::LocalData>& runs) {
   std::vector<SeriesRun> entries;
   for (const dem::LocalData& data : runs) entries.push_back({"cohesion", &data});
-  return cohesion_series(entries, table);
+  return cohesion_series(entries);
 }
 
 TEST(CohesionSeries, TwoTiltsShowOneCohesion) {
@@ -70,7 +70,8 @@ TEST(CohesionSeries, WeightOfThePlugAndPairsGiveOneYieldStress) {
   const CohesivePoint& point = series.points[0];
   ASSERT_TRUE(point.plug);
   const double tau_c = chute(23, 0.6, 4).tau_c;
-  // gd = 5 % of the largest lies at tau - tau_c = 0.25 % of its largest, 0.05: less than a row, 0.43.
+  // gd = 5 % of the largest lies at tau - tau_c = 0.25 % of its largest, 0.05: less than a row,
+  // 0.43.
   EXPECT_NEAR(point.plug->yield_stress_from_weight.value, tau_c, 0.5);
   EXPECT_NEAR(point.yield_stress.value, tau_c, 4.0 * point.yield_stress.error);
   EXPECT_LT(point.flowing_height(), point.layer_height - 3.0);
@@ -111,26 +112,25 @@ continuum::RheologyTable law(double alpha) {
   return table;
 }
 
-TEST(CohesionSeries, ALawWithoutSoftnessOrCohesionHasNoLinearStress) {
+TEST(RatioOfLaw, ALawWithoutSoftnessOrCohesionHasNoLinearStress) {
   const continuum::RheologyTable table = law(0.0);
-  const CohesionSeries series = series_of(without_cohesion(), &table);
-  for (const CohesivePoint& point : series.points) {
-    ASSERT_TRUE(point.ratio_of_law) << point.name;
-    EXPECT_LT(*point.ratio_of_law, 1e-3) << point.name;
+  for (const dem::LocalData& data : without_cohesion()) {
+    const auto ratio = ratio_of_law(data, table);
+    ASSERT_TRUE(ratio) << data.name;
+    EXPECT_LT(*ratio, 1e-3) << data.name;
   }
 }
 
 // tau = c0 + mu(I) p makes tau - tau_c = tan(theta)/(2 K^2) (gd^2 + gd sqrt(gd^2 + 4 K^2 P_c)) with
 // K = (tan(theta) - mu0)/beta, P_c = c0/(tan(theta) - mu0): where the shear is fast the root adds
 // half as much linear stress as quadratic one at gd^2 = 4 K^2 P_c, and more where it is slower.
-TEST(CohesionSeries, CohesionAloneMakesALinearStress) {
+TEST(RatioOfLaw, CohesionAloneMakesALinearStress) {
   const continuum::RheologyTable table = law(0.2);
-  const CohesionSeries series =
-      series_of({run(chute(25, 0.3, 4), 4.0), run(chute(25, 0.6, 5), 8.0)}, &table);
-  ASSERT_EQ(series.points.size(), 2u);
-  ASSERT_TRUE(series.points[0].ratio_of_law && series.points[1].ratio_of_law);
-  EXPECT_GT(*series.points[0].ratio_of_law, 0.05);
-  EXPECT_GT(*series.points[1].ratio_of_law, *series.points[0].ratio_of_law);
+  const auto weak = ratio_of_law(run(chute(25, 0.3, 4), 4.0), table);
+  const auto strong = ratio_of_law(run(chute(25, 0.6, 5), 8.0), table);
+  ASSERT_TRUE(weak && strong);
+  EXPECT_GT(*weak, 0.05);
+  EXPECT_GT(*strong, *weak);
 }
 
 }  // namespace
