@@ -20,6 +20,17 @@ S coulomb_reference(CoulombReference reference, const S& contact_force, const S&
                                               : max(contact_force, S(0.0));
 }
 
+/// exp(-y), y >= 0: the series at y/64 and six squarings, the same for numbers and packs, whose own
+/// exp is one call per pair. Relative error 1e-13 for y < 16, absolute 1e-16 beyond.
+template <class S>
+[[gnu::always_inline]] inline S exp_minus(const S& y) {
+  const S z = min(y, S(36.0)) * (1.0 / 64.0);
+  S sum = S(1.0);
+  for (int k = 11; k > 0; --k) sum = 1.0 - (1.0 / k) * z * sum;
+  for (int k = 0; k < 6; ++k) sum = sum * sum;
+  return sum;
+}
+
 /// No attraction: no force, no range beyond contact, nothing stored.
 struct Cohesionless {
   static constexpr std::string_view name = "none";
@@ -41,7 +52,7 @@ struct GaussianWell {
   template <class S>
   [[gnu::always_inline]] S force(const ContactOf<S>& c, const Mask<S>&) const {
     const S x = (c.overlap - width) / width;
-    return select(c.overlap > -range(), 2.0 * strength / width * x * exp(-x * x), S(0.0));
+    return select(c.overlap > -range(), 2.0 * strength / width * x * exp_minus(x * x), S(0.0));
   }
   /// Zero at the cut [energy].
   double energy(const Contact& c, bool) const {

@@ -52,10 +52,8 @@ inline double min(double a, double b) {
 }
 
 using std::abs;
-using std::exp;
 using std::sqrt;
 using std::experimental::abs;
-using std::experimental::exp;
 using std::experimental::sqrt;
 
 inline double sum(const Pack& a) {
