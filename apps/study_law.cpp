@@ -154,13 +154,14 @@ void add_remarks(Result& result, const LawData& data, std::vector<calibration::M
 Plan plan(const io::LawStudy& study) {
   const LawData data = read_law_data(study);
   return {.scenes = {},
-          .other = {fmt::format(
-              "{} laws, fitted to: chutes {}, simple shear {}, shear bands {}; predicted runs: {}",
-              laws().size(),
-              data.chutes.size(),
-              data.boxes.size(),
-              data.bands.size(),
-              data.predicted.size())}};
+          .other = {fmt::format("{} laws, fitted to {} chutes, {} boxes of simple shear and {} "
+                                "shear bands, predicting {} "
+                                "runs",
+                                laws().size(),
+                                data.chutes.size(),
+                                data.boxes.size(),
+                                data.bands.size(),
+                                data.predicted.size())}};
 }
 
 Result run(const io::LawStudy& study, const io::StudyFile& file, const Context&) {

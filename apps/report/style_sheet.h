@@ -66,7 +66,8 @@ tr.group th { padding-top: 0.8rem; font-style: italic; font-weight: 400; }
 .figures { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(18rem, 100%), 1fr));
   gap: 0.6rem 1.6rem; margin: 0.6rem 0 1.2rem; }
 .figures.two { grid-template-columns: repeat(auto-fill, minmax(min(28rem, 100%), 1fr)); }
-.figures.four { grid-template-columns: repeat(auto-fill, minmax(min(18rem, 100%), 26rem)); max-width: 56rem; }
+.figures.four { grid-template-columns: repeat(2, minmax(0, 26rem)); }
+@media (max-width: 40rem) { .figures.four { grid-template-columns: 1fr; } }
 figure { margin: 0; max-width: 34rem; font-family: system-ui, "Segoe UI", Roboto, "DejaVu Sans",
   sans-serif; }
 figure svg { display: block; width: 100%; height: auto; }
@@ -84,7 +85,7 @@ figcaption a { color: inherit; }
   table { font-size: 7.5pt; }
   th, td { padding-left: 0.7em; }
   .figures { grid-template-columns: repeat(3, 1fr); }
-  .figures.two, .figures.four { grid-template-columns: repeat(2, 1fr); max-width: none; }
+  .figures.two, .figures.four { grid-template-columns: repeat(2, 1fr); }
   figure, tr, dd, li, .scroll { break-inside: avoid; }
   h2, h3, caption { break-after: avoid; }
 }
