@@ -58,7 +58,7 @@ std::string list(const std::vector<std::string>& sentences) {
 Html outcome_cell(const Point& point) {
   using report::operator""_html;
   if (!point.failed()) return report::typeset(outcome(point));
-  return R"(<span class="prose">)"_html + report::typeset(outcome(point)) + "</span>"_html;
+  return R"(<span class="prose short">)"_html + report::typeset(outcome(point)) + "</span>"_html;
 }
 
 /// Without the columns that would say nothing: a series named like its quantity, times of a run

@@ -40,7 +40,7 @@ Table fit_table(const std::string& law, const FitSummary& fit, const std::string
     const FittedCoefficient& coefficient = fit.coefficients[i];
     const std::string unit = coefficient_unit(coefficient.name, units);
     std::vector<Html> cells = {coefficient_symbol(coefficient.name) +
-                               text(unit == "1" ? "" : " [" + unit + "]")};
+                               text(unit == "1" ? std::string() : fmt::format(" [{}]", unit))};
     for (Html& cell : value_cells({.value = coefficient.value, .error = coefficient.error})) {
       cells.push_back(std::move(cell));
     }
@@ -62,7 +62,7 @@ Table given_table(const continuum::RheologyTable& given) {
   for (const Coefficient& coefficient : coefficients(given)) {
     const std::string unit = coefficient_unit(coefficient.name, given.units);
     std::vector<Html> cells = {coefficient_symbol(coefficient.name) +
-                               text(unit == "1" ? "" : " [" + unit + "]")};
+                               text(unit == "1" ? std::string() : fmt::format(" [{}]", unit))};
     for (Html& cell : value_cells(coefficient.estimate)) cells.push_back(std::move(cell));
     result.rows.push_back(std::move(cells));
   }
