@@ -192,10 +192,23 @@ void write_bagnold_tables(const std::vector<report::RunComparison>& runs,
 
 ExitCode check(const io::Campaign& campaign, const CommonOptions& options) {
   std::string text;
+  RunTime total;
+  int runs = 0;
   for (const io::PlannedRun& run : io::planned_runs(campaign)) {
-    const Summary summary = check_scene(run.file);
+    const RunTime time = run_time(run.file.scene);
+    total.least += time.least;
+    total.most += time.most;
+    ++runs;
+    const Summary summary = check_scene(run.file, time);
     if (!text.empty()) text += options.json ? ",\n" : "\n";
     text += options.json ? summary.json() : summary.text();
+  }
+  if (!options.json && runs > 1) {
+    text += fmt::format("\nall {} runs, one after the other: {} to {}; {} at a time\n",
+                        runs,
+                        duration_text(total.least),
+                        duration_text(total.most),
+                        options.threads);
   }
   fmt::print("{}", options.json ? "[\n" + text + "]\n" : text);
   return ExitCode::answered;
@@ -383,23 +396,15 @@ int main(int argc, char** argv) {
   Arguments arguments;
   line.option("CAMPAIGN.toml", arguments.campaign, "the campaign");
   line.option("-o,--output", arguments.output, "folder for results (default: calibration-report)");
-  line.option_list("--from",
-                   arguments.from,
-                   "finished runs, folders of them, or imports (.toml) to use; run nothing");
-  line.flag("--list", arguments.list, "write the scenes, print a command for each, run nothing");
-  line.option("--reference",
-              arguments.reference,
-              "table to hold shear boxes or the runs of series against");
-  line.option_list("--tables",
-                   arguments.tables,
-                   "no campaign: fit the coefficients of these tables over contact friction");
+  line.option_list("--from", arguments.from, "finished runs, folders or imports; run nothing");
+  line.flag("--list", arguments.list, "write the scenes, print a command for each");
+  line.option("--reference", arguments.reference, "table to hold boxes or runs of series against");
+  line.option_list("--tables", arguments.tables, "no campaign: coefficients over contact friction");
   line.option("--contact-friction",
               arguments.contact_friction,
-              "with --tables: write the table of this contact friction");
+              "with --tables: write the table at this value");
   line.duration("--max-wall", arguments.max_wall, "stop with checkpoints after this wall time");
-  line.duration("--budget",
-                arguments.budget,
-                "choose runs so that the predict tilts are known best after this wall time");
+  line.duration("--budget", arguments.budget, "choose runs that tell most in this wall time");
   line.threads("runs at once, one process each (default: cores)", 0);
   if (const auto code = line.parse(argc, argv)) return *code;
   return run_program("grainlaw calibrate", [&] { return calibrate(arguments, options); });

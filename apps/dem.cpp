@@ -150,7 +150,7 @@ ExitCode run(Arguments arguments, const CommonOptions& options) {
   const io::SceneFile file =
       io::read_scene(arguments.scene, {.allow_unstable_step = arguments.allow_step});
   if (options.check) {
-    print(check_scene(file), options);
+    print(check_scene(file, run_time(file.scene)), options);
     return ExitCode::answered;
   }
   std::string& output = arguments.output;
@@ -201,7 +201,7 @@ int main(int argc, char** argv) {
   line.option("-o,--output", arguments.output, "local data file (default: scene name + .h5)");
   line.flag("--resume", arguments.resume, "go on from the newest checkpoint of this output");
   line.flag(
-      "--reduce", arguments.reduce, "write a finished run with its frames joined: far smaller");
+      "--reduce", arguments.reduce, "write a finished run again, frames joined: smaller");
   line.duration("--max-wall", arguments.max_wall, "stop with a checkpoint after this wall time");
   line.duration("--checkpoint-interval",
                 arguments.checkpoint_interval,

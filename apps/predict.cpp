@@ -300,7 +300,7 @@ int main(int argc, char** argv) {
   line.option("-o,--output", arguments.output, "profile as PROFILE.csv or PROFILE.json");
   line.flag("--certificate",
             arguments.certificate,
-            "say where the law is well-posed in 2D and 3D, and by which margin");
+            "where the law is well-posed in 2D and 3D");
   if (const auto code = line.parse(argc, argv)) return *code;
   return run_program("grainlaw predict", [&] { return predict(arguments, options); });
 }

@@ -81,6 +81,20 @@ void add_lifetimes(const dem::LifetimeStatistics& lifetimes, Summary& summary) {
   }
 }
 
+/// What the units of the lines are in those of the file.
+std::string units_text(const io::Units& units) {
+  const bool si = units.name == "si";
+  return fmt::format(
+      "these numbers are in m, d, g of the grains: m = {:.4g} {}, d = {:.4g} {}, sqrt(d/g) = "
+      "{:.4g} {}",
+      units.mass,
+      si ? "kg" : "rho_p d^3",
+      units.length,
+      si ? "m" : "d",
+      units.time,
+      si ? "s" : "sqrt(rho_p d^3/k_n)");
+}
+
 }  // namespace
 
 RunTime run_time(const dem::Scene& scene) {
@@ -90,16 +104,17 @@ RunTime run_time(const dem::Scene& scene) {
           .most = longest};
 }
 
-Summary check_scene(const io::SceneFile& file) {
+Summary check_scene(const io::SceneFile& file, const RunTime& time) {
   const dem::Scene& scene = file.scene;
   const double shortest = dem::shortest_contact_time(scene);
   const double step = dem::time_step(scene);
-  const RunTime time = run_time(scene);
   const dem::SceneSummary parts = dem::summarise(scene);
   Summary summary;
   summary.add("scene", "scene", scene.name);
   summary.add("uses", "uses", parts.used);
   summary.add("leaves_out", "leaves out", parts.left_out);
+  if (file.units.name != io::grain_units().name)
+    summary.add("units", "units", units_text(file.units));
   summary.add("geometry", "geometry", std::string(dem::kind(scene.geometry)));
   summary.add("grains", "flowing grains", static_cast<long>(dem::grains(scene)));
   if (const dem::Chute* const chute = chute_of(scene)) {

@@ -19,7 +19,7 @@ struct RunTime {
 RunTime run_time(const dem::Scene& scene);
 
 /// What a scene will use and leave out, its time step and why, memory and run time (--check).
-Summary check_scene(const io::SceneFile& file);
+Summary check_scene(const io::SceneFile& file, const RunTime& time);
 
 /// "steady in 42 s: ...", one line about a finished run.
 std::string outcome_line(const dem::LocalData& data);

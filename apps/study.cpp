@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "apps/command_line.h"
 #include "apps/directory_lock.h"
 #include "apps/io/study_input.h"
@@ -39,10 +41,10 @@ ExitCode check(const io::StudyFile& file, const CommonOptions& options) {
     total.most += time.most;
     summary.add(scene.scene.name, "DEM run " + scene.scene.name, time_text(time));
   }
-  if (!plan.other.empty()) summary.add("other", "and", plan.other);
+  if (!plan.other.empty()) summary.add("other", "also", plan.other);
   if (!plan.scenes.empty()) {
-    summary.add("seconds_least", "all of them, at least", total.least, "s");
-    summary.add("seconds_most", "all of them, at most", total.most, "s");
+    summary.add("seconds_least", "all of them, at least", std::round(total.least), "s");
+    summary.add("seconds_most", "all of them, at most", std::round(total.most), "s");
   }
   print(summary, options);
   return ExitCode::answered;

@@ -124,7 +124,7 @@ class LabelPlacer {
 
   /// Middle of the text, in the numbers of the axes; none where every place is taken.
   std::optional<std::pair<double, double>> place(double x, double y, const std::string& text) {
-    const double width = 2.8 * static_cast<double>(text.size());  // half of it
+    const double width = 2.8 * static_cast<double>(text.size()) + 3.0;  // half of it
     constexpr double height = 5.5;
     const double aside = width + 6.0;
     const std::array<std::pair<double, double>, 6> shifts = {
@@ -200,17 +200,18 @@ std::string failure_block(const Result& result, const Axis& cost, const Axis& er
   return text.empty() ? text : "$failures << END\ncost,error,label\n" + text + "END\n";
 }
 
-std::string series_part(std::size_t k, const std::string& name) {
+std::string series_part(std::size_t k, const std::string& name, bool joined) {
   const Style look = style(k);
   const std::string colour = fmt::format("lc rgb '{}'", look.colour);
   return fmt::format(
       "$series{0} using 1:2:3:4 with yerrorbars pt {1} ps 0.1 lw 1 {2} notitle, \\\n     "
-      "$series{0} using 1:2 with linespoints pt {1} ps 0.6 dt {3} lw 1.3 {2} title '{4}'",
+      "$series{0} using 1:2 with {5} pt {1} ps 0.6 {3} {2} title '{4}'",
       k,
       look.point,
       colour,
-      look.dash,
-      report::plot_text(name));
+      joined ? fmt::format("dt {} lw 1.3", look.dash) : std::string(),
+      report::plot_text(name),
+      joined ? "linespoints" : "points");
 }
 
 /// Series that have a point in the figure.
@@ -234,7 +235,7 @@ std::string plot_script(const Result& result) {
   std::string parts;
   for (std::size_t k = 0; k < names.size(); ++k) {
     data += data_block(result, k, error, names[k]);
-    parts += series_part(k, names[k]) + ", \\\n     ";
+    parts += series_part(k, names[k], result.ordered) + ", \\\n     ";
   }
   parts += "$labels using 1:2:3 with labels font ',9' notitle";
   if (!failures.empty()) {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "apps/io/safe_write.h"
@@ -10,6 +11,7 @@
 #include "apps/report/numbers.h"
 #include "apps/report/style_sheet.h"
 #include "apps/report/svg.h"
+#include "apps/report/typeset.h"
 
 namespace grainlaw::study {
 namespace {
@@ -52,27 +54,52 @@ std::string list(const std::vector<std::string>& sentences) {
   return text;
 }
 
+/// Error of a point as a cell; a reason may take several lines.
+Html outcome_cell(const Point& point) {
+  using report::operator""_html;
+  if (!point.failed()) return report::typeset(outcome(point));
+  return R"(<span class="prose short">)"_html + report::typeset(outcome(point)) + "</span>"_html;
+}
+
+/// Without the columns that would say nothing: a series named like its quantity, times of a run
+/// that all points share.
 Html point_table(const Result& result) {
+  const bool series = std::ranges::any_of(
+      result.points, [](const Point& point) { return point.series != point.quantity; });
+  const bool timed = std::ranges::any_of(
+      result.points, [](const Point& point) { return std::isfinite(point.cpu_seconds); });
   report::Table table;
-  table.caption = report::text("Every point; error against: " + result.reference);
-  table.text_columns = 3;
-  for (const char* head : {"quantity", "series", "setting", "CPU [s]", "wall [s]", "error"}) {
-    table.head.push_back(report::text(head));
-  }
+  table.caption = report::typeset("Every point; error against " + result.reference);
+  table.text_columns = series ? 3 : 2;
+  const auto add = [](std::vector<Html>& row, bool there, Html cell) {
+    if (there) row.push_back(std::move(cell));
+  };
+  add(table.head, true, report::text("Quantity"));
+  add(table.head, series, report::text("Series"));
+  add(table.head, true, report::text("Setting"));
+  add(table.head, timed, report::text("CPU time"));
+  add(table.head, timed, report::text("Wall time"));
+  add(table.head, true, report::text("Error"));
   for (const Point& point : result.points) {
-    table.rows.push_back({report::text(point.quantity),
-                          report::text(point.series),
-                          report::text(point.setting),
-                          report::text(seconds(point.cpu_seconds)),
-                          report::text(seconds(point.wall_seconds)),
-                          report::text(outcome(point))});
+    std::vector<Html>& row = table.rows.emplace_back();
+    add(row, true, report::typeset(point.quantity));
+    add(row, series, report::typeset(point.series));
+    add(row, true, report::typeset(point.setting));
+    add(row, timed, report::text(report::duration(point.cpu_seconds)));
+    add(row, timed, report::text(report::duration(point.wall_seconds)));
+    add(row, true, outcome_cell(point));
   }
   return report::table(table);
 }
 
+/// "Error against CPU time", "Error against width of the kernel w / d".
+std::string figure_title(const Result& result) {
+  return "Error against " + result.cost_label.substr(0, result.cost_label.find(" ["));
+}
+
 Html sentences(const std::vector<std::string>& of) {
   std::vector<Html> items;
-  for (const std::string& sentence : of) items.push_back(report::text(sentence));
+  for (const std::string& sentence : of) items.push_back(report::typeset(sentence));
   return report::list(items);
 }
 
@@ -84,7 +111,7 @@ std::string page(const Result& result, const std::string& svg, const std::string
   Html body = "<h1>"_html + report::text(result.title) + "</h1>\n"_html +
               report::paragraph(report::text(result.machine)) +
               report::section("choose", "What to choose"_html, sentences(result.advice)) +
-              report::section("figure", "Error against cost"_html, figure);
+              report::section("figure", report::text(figure_title(result)), figure);
   if (!result.remarks.empty()) {
     body += report::section("remarks", "Remarks"_html, sentences(result.remarks));
   }
@@ -150,7 +177,7 @@ std::string write_report(const Result& result, const fs::path& directory) {
   std::string svg;
   if (!failure) {
     const std::string drawn = io::read_file(directory / "study.svg");
-    svg = report::inline_svg(drawn, "study", "Error against cost");
+    svg = report::inline_svg(drawn, "study", figure_title(result));
   }
   io::safe_write(directory / "study.html", page(result, svg, failure.value_or("")));
   return failure.value_or("");

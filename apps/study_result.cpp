@@ -31,7 +31,10 @@ std::string setting_text(const Point& point) {
   return point.series == point.quantity ? point.setting : point.series + ", " + point.setting;
 }
 
+/// "5.8 us CPU" reads easier than 5.8e-06 CPU s.
 std::string cost_text(const Point& point, const std::string& unit) {
+  if (unit == "CPU s" && point.cost < 1e-3) return fmt::format("{:.3g} us CPU", 1e6 * point.cost);
+  if (unit == "CPU s" && point.cost < 1.0) return fmt::format("{:.3g} ms CPU", 1e3 * point.cost);
   return fmt::format("{:.3g} {}", point.cost, unit);
 }
 

@@ -32,6 +32,7 @@ struct Result {
   std::string reference;                       ///< what errors are against, a sentence
   std::string cost_label = "CPU time [s]";     ///< of the figure
   std::string error_label = "relative error";  ///< of the figure
+  bool ordered = true;  ///< points of a series follow each other: a line joins them
   std::vector<Point> points;
   std::vector<std::string> remarks;  ///< sentences a reader must know
   std::vector<std::string> advice;   ///< what to choose, a sentence for each quantity

@@ -81,7 +81,8 @@ void add_time(Point& point, const Seconds& seconds) {
 }
 
 Point quadrature(const Problem& problem, int panels, int repeats) {
-  Point point = new_point("steady velocity", "quadrature", panels, "panels");
+  Point point =
+      new_point("steady velocity", "quadrature", panels, panels == 1 ? "panel" : "panels");
   // Two rows: every interval between rows takes a panel of its own at least.
   const continuum::SteadyOptions options{.panels = panels, .rows = 2};
   continuum::Profile profile;

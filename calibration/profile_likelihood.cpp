@@ -33,17 +33,21 @@ class Side {
 
   /// sqrt(rise so far / rise) - 1: close to linear in the distance, zero at the limit.
   double excess(double value) {
-    // The others follow from the last distance as in a linear law.
+    // The others follow as in a linear law from the last distance that was inside: from beyond the
+    // limit a search may have strayed into another valley.
+    LeastSquaresProblem there = problem_;
     const double step = value - problem_.unknowns[unknown_].start;
     for (std::size_t j = 0; j < along_.size(); ++j) {
-      problem_.unknowns[j].start += j == unknown_ ? step : along_[j] * step;
+      there.unknowns[j].start += j == unknown_ ? step : along_[j] * step;
     }
-    const Minimum held = minimise(problem_);
+    const Minimum held = minimise(there);
     if (!std::isfinite(held.chi_squared)) return infinity;
-    for (std::size_t j = 0; j < held.values.size(); ++j) {
+    const double result =
+        std::sqrt(std::max(0.0, held.chi_squared - minimum_.chi_squared) / rise_) - 1.0;
+    for (std::size_t j = 0; result < 0.0 && j < held.values.size(); ++j) {
       problem_.unknowns[j].start = held.values[j];
     }
-    return std::sqrt(std::max(0.0, held.chi_squared - minimum_.chi_squared) / rise_) - 1.0;
+    return result;
   }
 
   double centre() const { return minimum_.values[unknown_]; }
@@ -110,9 +114,7 @@ Interval profile_interval(const LeastSquaresProblem& problem,
                           double rise) {
   const double error = std::sqrt(covariance(unknown, unknown));
   const double value = minimum.values[static_cast<std::size_t>(unknown)];
-  const double scale =
-      error > 0.0 && std::isfinite(error) ? error : std::max(std::abs(value), 1e-3);
-  const double step = scale * std::sqrt(rise);
+  const double step = error > 0.0 && std::isfinite(error) ? error : std::max(std::abs(value), 1e-3);
   const Side side(problem, minimum, covariance, unknown, rise);
   return {.lower = limit(side, step, -1.0), .upper = limit(side, step, 1.0), .by_profile = true};
 }

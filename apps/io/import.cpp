@@ -9,6 +9,7 @@
 #include "apps/io/import_checks.h"
 #include "apps/io/import_frames.h"
 #include "apps/io/text_table.h"
+#include "apps/io/toml_tree.h"
 #include "dem/steady_state.h"
 
 namespace grainlaw::io {
@@ -208,6 +209,14 @@ void judge_by(const std::vector<ImportCheck>& checks, dem::SteadyWindow& window)
   }
 }
 
+/// Whether the scene gives its grains velocities at the start.
+bool starts_with_a_profile(const std::string& scene_text) {
+  const TomlValue scene = parse_toml(scene_text, "scene");
+  const TomlEntry* start = scene.table() == nullptr ? nullptr : scene.table()->find("start");
+  return start != nullptr && start->value.table() != nullptr &&
+         start->value.table()->find("profile") != nullptr;
+}
+
 }  // namespace
 
 RunRecord import_run(const Import& import) {
@@ -254,7 +263,13 @@ RunRecord import_run(const Import& import) {
 }
 
 RunRecord read_run(const std::filesystem::path& path) {
-  return path.extension() == ".toml" ? import_run(read_import_input(path)) : read_run_record(path);
+  if (path.extension() == ".toml") return import_run(read_import_input(path));
+  RunRecord record = read_run_record(path);
+  // Files older than the mark of a begin in motion still hold the scene, which tells.
+  if (record.imported_from.empty() && starts_with_a_profile(record.scene_text)) {
+    record.data.frames.from_rest = false;
+  }
+  return record;
 }
 
 }  // namespace grainlaw::io

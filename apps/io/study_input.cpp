@@ -148,8 +148,11 @@ SolverStudy read_solver(Reader in) {
 
 LawStudy read_law(Reader in) {
   LawStudy study;
-  study.fitted = in.paths("fitted", "runs the laws are fitted to: chutes, simple shear for p*, Bo");
-  study.predicted = in.paths("predicted", "chute runs that are predicted");
+  study.fitted =
+      in.paths("fitted",
+               "runs the laws are fitted to: chutes, simple shear for p*, Bo, a shear band "
+               "for the nonlocal amplitude");
+  study.predicted = in.paths("predicted", "chutes and shear bands that are predicted");
   return study;
 }
 

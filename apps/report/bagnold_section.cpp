@@ -5,6 +5,7 @@
 #include "apps/report/law_curve.h"
 #include "apps/report/numbers.h"
 #include "apps/report/sections.h"
+#include "apps/report/typeset.h"
 
 namespace grainlaw::report {
 namespace {
@@ -149,7 +150,7 @@ Html remarks(const Report& report) {
     for (const auto* sentences : {&fit.not_identifiable, &fit.notes}) {
       for (const std::string& sentence : *sentences) {
         const bool named = sentence.starts_with(run.data.name);
-        items.push_back(named ? text(sentence) : run_label(run) + ": "_html + text(sentence));
+        items.push_back(named ? typeset(sentence) : run_label(run) + ": "_html + typeset(sentence));
       }
     }
   }

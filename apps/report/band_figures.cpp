@@ -182,14 +182,47 @@ Csv states_csv(const std::vector<FlowPrediction>& tables) {
   return csv;
 }
 
+continuum::Range range_of(const Csv& csv, const std::vector<std::size_t>& columns) {
+  continuum::Range range{1e300, -1e300};
+  for (const std::vector<double>& row : csv.rows) {
+    for (const std::size_t k : columns) {
+      range.lower = std::fmin(range.lower, row[k]);
+      range.upper = std::fmax(range.upper, row[k]);
+    }
+  }
+  return range;
+}
+
+/// I over decades needs a logarithm; differences below some percent are not to fill the figure.
+std::string state_axes(const Csv& csv, std::size_t quantity, std::size_t tables) {
+  constexpr double narrow = 3.0;
+  constexpr double least_span = 0.2;  // of the largest value
+  constexpr std::size_t measured = 5, per_table = 4;
+  const continuum::Range I = range_of(csv, {0});
+  std::vector<std::size_t> columns = {quantity == 0 ? 1U : 3U};
+  for (std::size_t t = 0; t < tables; ++t) columns.push_back(measured + per_table * t + quantity);
+  const continuum::Range y = range_of(csv, columns);
+  std::string text = I.upper > narrow * I.lower
+                         ? std::string("set logscale x\n")
+                         : fmt::format("set xrange [0:{:.4g}]\n", 1.3 * I.upper);
+  if (y.upper - y.lower < least_span * y.upper) {
+    const double middle = 0.5 * (y.lower + y.upper);
+    text += fmt::format("set yrange [{:.3g}:{:.3g}]\n",
+                        middle - 0.5 * least_span * y.upper,
+                        middle + 0.5 * least_span * y.upper);
+  }
+  return text;
+}
+
 std::string states_script(const Report& report,
                           const std::string& name,
                           const std::string& data,
                           const std::string& quantity,
                           const std::string& axis,
+                          const std::string& axes,
                           std::size_t tables) {
-  std::string result = plot_head(name);
-  result += "set logscale x\nset xlabel '{/:Italic I}'\nset ylabel '" + axis + "'\n";
+  std::string result = plot_head(name) + axes;
+  result += "set xlabel '{/:Italic I}'\nset ylabel '" + axis + "'\n";
   result += fmt::format(
       "plot '{0}' using \"I\":\"{1}\":\"{1} error\" with yerrorbars {2} "
       "title 'DEM'",
@@ -226,10 +259,16 @@ void add_states(const Report& report,
     const std::string axis = friction ? "{/:Italic μ}" : "{/:Italic φ}";
     group.figures.push_back(
         {.name = name,
-         .script = states_script(report, name, data, quantity, axis, tables.size()),
+         .script = states_script(report,
+                                 name,
+                                 data,
+                                 quantity,
+                                 axis,
+                                 state_axes(group.data[data], friction ? 0 : 1, tables.size()),
+                                 tables.size()),
          .label = (friction ? "Friction" : "Volume fraction") + std::string(" against I, ") + what,
          .caption = friction ? "<i>μ</i> measured, and by the law at the same <i>I</i>, <i>p</i>*, "
-                               "<i>Bo</i>"_html
+                               "Bo"_html
                              : "<i>φ</i> measured, and by the law there"_html});
   }
 }

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "apps/report/numbers.h"
 #include "apps/report/sections.h"
+#include "apps/report/typeset.h"
 
 namespace grainlaw::report {
 namespace {
@@ -25,16 +27,27 @@ Html table_title(const Report& report, std::size_t t) {
   return report.tables.size() > 1 ? text(report.tables[t].name + ": ") : Html{};
 }
 
-std::string flags_text(const std::vector<continuum::RangeFlag>& flags) {
+/// The quantities that have left the data of the table.
+Html flags_text(const std::vector<continuum::RangeFlag>& flags) {
   std::string result;
-  for (const continuum::RangeFlag& flag : flags) {
-    result += (result.empty() ? "" : ", ") +
-              fmt::format("{} = {}, data {}",
-                          flag.quantity,
-                          interval(flag.reached_lowest, flag.reached_highest),
-                          interval(flag.lower, flag.upper));
+  for (const continuum::RangeFlag& flag : flags)
+    result += (result.empty() ? "" : ", ") + flag.quantity;
+  return typeset(result.empty() ? "inside" : result);
+}
+
+/// The data of the table for each quantity that any state has left.
+std::string left_ranges(const Report& report, std::size_t t) {
+  std::map<std::string, std::string> ranges;
+  for (const FlowComparison& flow : report.flows) {
+    for (const StateComparison& state : flow.tables[t].states) {
+      for (const continuum::RangeFlag& flag : state.out_of_domain)
+        ranges[flag.quantity] = interval(flag.lower, flag.upper);
+    }
   }
-  return result.empty() ? "inside" : result;
+  std::string words;
+  for (const auto& [quantity, range] : ranges)
+    words += fmt::format("{}{} {}", words.empty() ? "" : ", ", quantity, range);
+  return words.empty() ? words : fmt::format(" Range: what lies outside the data ({}).", words);
 }
 
 std::vector<Html> residual_cells(const dem::Estimate& measured, const LawResidual& residual) {
@@ -46,7 +59,6 @@ std::vector<Html> residual_cells(const dem::Estimate& measured, const LawResidua
 
 std::vector<Html> state_row(const StateComparison& state) {
   std::vector<Html> row = {text(state.point.name),
-                           text(flags_text(state.out_of_domain)),
                            text(significant(state.point.inertial_number.value, 3)),
                            text(significant(state.point.softness.value, 2)),
                            text(significant(state.point.bond_number.value, 2))};
@@ -56,21 +68,24 @@ std::vector<Html> state_row(const StateComparison& state) {
   add(residual_cells(state.point.friction, state.friction));
   add(residual_cells(state.point.volume_fraction, state.volume_fraction));
   row.push_back(text(significant(state.condition_number, 2)));
+  row.push_back(flags_text(state.out_of_domain));
   return row;
 }
 
 /// One line per state; the rows of a heading are those of one run.
 Table state_table(const Report& report, std::size_t t) {
   Table result{
-      .caption = table_title(report, t) +
-                 "the law at measured states of flow. Off: law / measured − 1. In standard "
-                 "errors: of the DEM (also through <i>I</i> and <i>p</i>*) and of the "
-                 "table together. p is σ<sub>yy</sub> or σ<sub>zz</sub>, in a ring cell "
-                 "a third of the trace."_html,
+      .caption =
+          table_title(report, t) +
+          "The law at measured states of flow. Off: law / measured − 1. In standard "
+          "errors: of the DEM (also through <i>I</i> and <i>p</i>*) and of the "
+          "table together. <i>p</i> is <i>σ<sub>yy</sub></i> or <i>σ<sub>zz</sub></i>, in a ring "
+          "cell a third of the trace."_html +
+          typeset(left_ranges(report, t)),
       .head = {"State"_html,
                "<i>I</i>"_html,
                "<i>p</i>*"_html,
-               "<i>Bo</i>"_html,
+               "Bo"_html,
                "<i>μ</i>, DEM"_html,
                "law"_html,
                "off [%]"_html,
@@ -169,7 +184,7 @@ Html nonlocal_sentence(const Report& report) {
   if (fit.run.empty())
     return paragraph(text(fmt::format("Nonlocal amplitude A = {:.4g}, as given.", fit.value)));
   return paragraph(text(fmt::format(
-      "Nonlocal amplitude A = {}, fitted to the velocities of {} alone ({} points: chi² = {}, with "
+      "Nonlocal amplitude A = {}, fitted to the velocities of {} alone ({} points: χ² = {}, with "
       "the local law {}); the other bands test it.",
       with_error({.value = fit.value, .error = fit.error}),
       fit.run,
@@ -231,7 +246,7 @@ std::vector<Html> score_row(const Score& score) {
   std::vector<Html> row = {
       text(score.run),
       text(score.flow),
-      text(score.quantity),
+      typeset(score.quantity),
       text(percent_value(score.difference)),
       text(significant(score.in_standard_errors, 2)),
       text(score.condition_number > 0.0 ? significant(score.condition_number, 2) : "–")};
@@ -243,7 +258,9 @@ std::vector<Html> score_row(const Score& score) {
   } else {
     row.resize(11, text("–"));
   }
-  row.push_back(text(score.remark));
+  row.push_back(score.remark.size() > 40
+                    ? R"(<span class="prose short">)"_html + typeset(score.remark) + "</span>"_html
+                    : typeset(score.remark));
   return row;
 }
 
@@ -315,7 +332,7 @@ Table side_by_side(const Report& report) {
       .text_columns = 2};
   for (const TableScores& scores : report.tables) result.head.push_back(text(scores.name));
   for (const Score& row : report.tables.front().scores) {
-    result.rows.push_back({text(row.run), text(row.quantity)});
+    result.rows.push_back({text(row.run), typeset(row.quantity)});
     for (const TableScores& scores : report.tables) {
       const auto found =
           std::ranges::find_if(scores.scores, [&](const Score& s) { return same(s, row); });

@@ -7,6 +7,7 @@
 #include "apps/report/figure.h"
 #include "apps/report/numbers.h"
 #include "apps/report/sections.h"
+#include "apps/report/typeset.h"
 
 namespace grainlaw::report {
 namespace {
@@ -141,7 +142,7 @@ Html budget_section(const BudgetReport& budget,
                                             budget.processes))) +
                  table(rounds) + show(group, pictures);
   std::vector<Html> notes;
-  for (const std::string& note : budget.notes) notes.push_back(text(note));
+  for (const std::string& note : budget.notes) notes.push_back(typeset(note));
   if (!notes.empty()) content += list(notes);
   return section("budget", "Budget"_html, content);
 }

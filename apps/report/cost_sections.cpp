@@ -5,6 +5,7 @@
 
 #include "apps/report/numbers.h"
 #include "apps/report/sections.h"
+#include "apps/report/typeset.h"
 
 namespace grainlaw::report {
 namespace {
@@ -42,14 +43,41 @@ Table dem_table(const Report& report) {
   return result;
 }
 
+/// Many DEM runs as one stage: a table of all would hide the others; report.json has each.
+std::vector<StageCost> stages(const Report& report) {
+  constexpr std::string_view dem = "DEM ";
+  constexpr std::size_t few = 6;
+  std::vector<StageCost> result;
+  StageCost runs, longest;
+  std::size_t number = 0;
+  for (const StageCost& cost : report.costs) {
+    if (!cost.stage.starts_with(dem)) continue;
+    ++number;
+    runs.wall_seconds += cost.wall_seconds;
+    runs.cpu_seconds += cost.cpu_seconds;
+    if (cost.wall_seconds > longest.wall_seconds) longest = cost;
+  }
+  if (number <= few) return report.costs;
+  runs.stage = fmt::format("DEM, {} runs, sum", number);
+  longest.stage = "longest of them: " + longest.stage.substr(dem.size());
+  result = {runs, longest};
+  std::ranges::copy_if(report.costs, std::back_inserter(result), [&](const StageCost& cost) {
+    return !cost.stage.starts_with(dem);
+  });
+  return result;
+}
+
 Table stage_table(const Report& report) {
   Table result{.caption = "Stages."_html,
-               .head = {"Stage"_html, "Wall time"_html, "CPU time"_html},
+               .head = {"Stage"_html, "Wall time"_html},
                .rows = {},
                .text_columns = 1};
-  for (const StageCost& cost : report.costs) {
-    result.rows.push_back(
-        {text(cost.stage), text(duration(cost.wall_seconds)), text(time_taken(cost.cpu_seconds))});
+  const bool cpu =
+      std::ranges::any_of(report.costs, [](const StageCost& cost) { return cost.cpu_seconds > 0; });
+  if (cpu) result.head.push_back("CPU time"_html);
+  for (const StageCost& cost : stages(report)) {
+    result.rows.push_back({text(cost.stage), text(duration(cost.wall_seconds))});
+    if (cpu) result.rows.back().push_back(text(time_taken(cost.cpu_seconds)));
   }
   return result;
 }
@@ -111,7 +139,7 @@ Html window_reasons(const Report& report) {
   std::vector<Html> items;
   for (const RunComparison& run : report.runs) {
     if (run.data.window.reason.empty()) continue;
-    items.push_back(run_label(run) + text(": " + run.data.window.reason));
+    items.push_back(run_label(run) + typeset(": " + run.data.window.reason));
   }
   return items.empty() ? Html{} : list(items);
 }

@@ -96,23 +96,20 @@ Html in_time_section(const Report& report,
                      const std::vector<FigureGroup>& groups,
                      const Pictures& pictures) {
   const Table numbers = in_time_table(report);
-  Html content = paragraph("No run was followed in time."_html);
-  if (!numbers.rows.empty()) {
-    content =
-        paragraph(
-            "Nobody fitted this: the law knows steady flow only. The continuum begins at rest, at "
-            "the density of the law, and is tilted when the run was. Errors are <i>L</i><sub>2"
-            "</sub> over the faster of the steady profiles before and after the change, up to the "
-            "later of two stops. DEM values are averages over one frame each."_html) +
-        paragraph(
-            "Times in √(<i>d</i>/<i>g</i>), from the change on. To steady: until the mean velocity "
-            "first comes within 5 % of its change of its last value, or within three standard "
-            "deviations of the DEM frames where these are more; both sides at the frames. Times "
-            "are known to one frame: ± is that of a time anywhere in it, fluctuations of the flow "
-            "not included."_html) +
-        table(numbers) + table(solver_table(report));
-    for (const FigureGroup& group : groups) content += show(group, pictures);
-  }
+  Html content =
+      paragraph(
+          "Nobody fitted this: the law knows steady flow only. The continuum begins at rest, at "
+          "the density of the law, and is tilted when the run was. Errors are <i>L</i><sub>2"
+          "</sub> over the faster of the steady profiles before and after the change, up to the "
+          "later of two stops. DEM values are averages over one frame each."_html) +
+      paragraph(
+          "Times in √(<i>d</i>/<i>g</i>), from the change on. To steady: until the mean velocity "
+          "first comes within 5 % of its change of its last value, or within three standard "
+          "deviations of the DEM frames where these are more; both sides at the frames. Times "
+          "are known to one frame: ± is that of a time anywhere in it, fluctuations of the flow "
+          "not included."_html) +
+      table(numbers) + table(solver_table(report));
+  for (const FigureGroup& group : groups) content += show(group, pictures);
   return section("in-time", "In time: nobody fitted this"_html, content);
 }
 

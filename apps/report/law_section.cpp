@@ -7,6 +7,7 @@
 #include "apps/report/law_curve.h"
 #include "apps/report/numbers.h"
 #include "apps/report/sections.h"
+#include "apps/report/typeset.h"
 
 namespace grainlaw::report {
 namespace {
@@ -25,9 +26,9 @@ bool has_remark(const FittedCoefficient& coefficient) {
 
 Table fit_table(const std::string& law, const FitSummary& fit, const std::string& units) {
   Table result{.caption = fit_caption(law, fit),
-               .head = {"Coefficient"_html, "Unit"_html, "Value"_html, "Standard error"_html},
+               .head = {"Coefficient"_html, "Value"_html, "Standard error"_html},
                .rows = {},
-               .text_columns = 2};
+               .text_columns = 1};
   const std::size_t size = fit.coefficients.size();
   const bool correlated = fit.correlation.size() == size * size;
   for (std::size_t j = 0; correlated && j < size; ++j) {
@@ -37,8 +38,9 @@ Table fit_table(const std::string& law, const FitSummary& fit, const std::string
   if (remarks) result.head.push_back("Remark"_html);
   for (std::size_t i = 0; i < size; ++i) {
     const FittedCoefficient& coefficient = fit.coefficients[i];
-    std::vector<Html> cells = {coefficient_symbol(coefficient.name),
-                               text(coefficient_unit(coefficient.name, units))};
+    const std::string unit = coefficient_unit(coefficient.name, units);
+    std::vector<Html> cells = {coefficient_symbol(coefficient.name) +
+                               text(unit == "1" ? std::string() : fmt::format(" [{}]", unit))};
     for (Html& cell : value_cells({.value = coefficient.value, .error = coefficient.error})) {
       cells.push_back(std::move(cell));
     }
@@ -53,13 +55,14 @@ Table fit_table(const std::string& law, const FitSummary& fit, const std::string
 
 /// Coefficients of a table that was given, not fitted here.
 Table given_table(const continuum::RheologyTable& given) {
-  Table result{.caption = text("Table used: " + given.provenance.source),
-               .head = {"Coefficient"_html, "Unit"_html, "Value"_html, "Standard error"_html},
+  Table result{.caption = "Table used: "_html + typeset(given.provenance.source) + "."_html,
+               .head = {"Coefficient"_html, "Value"_html, "Standard error"_html},
                .rows = {},
-               .text_columns = 2};
+               .text_columns = 1};
   for (const Coefficient& coefficient : coefficients(given)) {
-    std::vector<Html> cells = {coefficient_symbol(coefficient.name),
-                               text(coefficient_unit(coefficient.name, given.units))};
+    const std::string unit = coefficient_unit(coefficient.name, given.units);
+    std::vector<Html> cells = {coefficient_symbol(coefficient.name) +
+                               text(unit == "1" ? std::string() : fmt::format(" [{}]", unit))};
     for (Html& cell : value_cells(coefficient.estimate)) cells.push_back(std::move(cell));
     result.rows.push_back(std::move(cells));
   }
@@ -94,7 +97,7 @@ Table point_table(const std::vector<calibration::FlowPoint>& points) {
 
 Html sentences(const std::vector<std::string>& lines) {
   std::vector<Html> items;
-  for (const std::string& line : lines) items.push_back(text(line));
+  for (const std::string& line : lines) items.push_back(typeset(line));
   return items.empty() ? Html{} : list(items);
 }
 
@@ -132,14 +135,16 @@ std::vector<Html> value_cells(const dem::Estimate& estimate) {
 
 Html fit_caption(const std::string& law, const FitSummary& fit) {
   const double freedom = fit.data - static_cast<double>(fit.coefficients.size());
-  std::string words = fmt::format("{}: {} data, χ² = {} for {:.0f} {} of freedom, {}.",
-                                  law,
-                                  fit.data,
-                                  significant(fit.chi_squared, 3),
-                                  freedom,
-                                  freedom == 1.0 ? "degree" : "degrees",
-                                  fit.converged ? "converged" : "NOT converged");
-  if (!fit.converged) words += " " + fit.termination;
+  // as many data as coefficients: what is left of chi^2 is rounding
+  std::string words = freedom < 0.5
+                          ? fmt::format("{}: {} data, as many as coefficients", law, fit.data)
+                          : fmt::format("{}: {} data, χ² = {} for {:.0f} {} of freedom",
+                                        law,
+                                        fit.data,
+                                        significant(fit.chi_squared, 3),
+                                        freedom,
+                                        freedom == 1.0 ? "degree" : "degrees");
+  words += fit.converged ? ", converged." : ", NOT converged. " + fit.termination;
   return text(words);
 }
 

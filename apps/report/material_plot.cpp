@@ -7,6 +7,9 @@
 #include <cmath>
 #include <limits>
 
+#include "apps/report/sections.h"
+#include "apps/report/typeset.h"
+
 namespace grainlaw::report {
 namespace {
 
@@ -44,17 +47,11 @@ std::string residual_part(
       title.empty() ? "notitle" : "title '" + title + "'");
 }
 
-std::string plain_name(const std::string& coefficient) {
-  std::string result = coefficient;
-  std::replace(result.begin(), result.end(), '_', ' ');
-  return plot_text(result);
-}
-
 Csv cost_csv(const MaterialReport& material, bool friction) {
   const calibration::FitSummary& fit =
       friction ? material.fit.friction : material.fit.volume_fraction;
   Csv csv{.columns = {"DEM wall time [s]"}, .rows = {}};
-  for (const auto& c : fit.coefficients) csv.columns.push_back(plain_name(c.name));
+  for (const auto& c : fit.coefficients) csv.columns.push_back(c.name);
   for (const calibration::CostPoint& point : material.cost) {
     const auto& values = friction ? point.friction : point.volume_fraction;
     if (values.size() != fit.coefficients.size()) continue;
@@ -62,14 +59,14 @@ Csv cost_csv(const MaterialReport& material, bool friction) {
     row.push_back(point.dem_wall_seconds);
     for (const dem::Estimate& value : values) {
       const double relative = std::abs(value.error / value.value);
-      row.push_back(relative > 0.0 ? relative : nan);
+      row.push_back(relative > 0.0 && std::isfinite(relative) ? relative : nan);
     }
   }
   return csv;
 }
 
 std::string cost_axes(const Csv& csv) {
-  double low = 1e300, high = 0.0, at_start = 0.0;
+  double low = 1e300, high = 0.0, at_end = 0.0;
   for (const std::vector<double>& row : csv.rows) {
     for (std::size_t k = 1; k < row.size(); ++k) {
       low = std::fmin(low, row[k]);
@@ -77,11 +74,11 @@ std::string cost_axes(const Csv& csv) {
     }
   }
   for (std::size_t k = 1; k < csv.columns.size(); ++k) {
-    at_start = std::fmax(at_start, csv.rows.front()[k]);
+    at_end = std::fmax(at_end, csv.rows.back()[k] * std::sqrt(csv.rows.back()[0]));
   }
   return "set logscale xy\n" + log_axis('x', 0.85 * csv.rows.front()[0], 1.2 * csv.rows.back()[0]) +
          log_axis('y', 0.6 * low, 1.8 * high) +
-         fmt::format("guide(x) = {:.6g} / sqrt(x)\n", at_start * std::sqrt(csv.rows.front()[0]));
+         fmt::format("guide(x) = {:.6g} / sqrt(x)\n", at_end);
 }
 
 void add_cost_figure(const MaterialReport& material, bool friction, FigureGroup& group) {
@@ -101,7 +98,7 @@ void add_cost_figure(const MaterialReport& material, bool friction, FigureGroup&
                     look.dash,
                     k > series.size() ? look.hollow : look.filled,
                     look.colour,
-                    csv.columns[k]));
+                    plot_symbol(coefficient_symbol(csv.columns[k]))));
   }
   group.data[name + ".csv"] = csv;
   group.figures.push_back(

@@ -7,6 +7,7 @@
 #include "apps/report/material_law.h"
 #include "apps/report/numbers.h"
 #include "apps/report/sections.h"
+#include "apps/report/typeset.h"
 
 namespace grainlaw::report {
 namespace {
@@ -102,7 +103,7 @@ Table score_table(const Html& caption, const std::vector<ModelScore>& scores) {
   double best = std::numeric_limits<double>::infinity();
   for (const ModelScore& score : scores) best = std::min(best, score.aicc);
   for (const ModelScore& score : scores) {
-    result.rows.push_back({text(score.name),
+    result.rows.push_back({typeset(score.name),
                            text(std::to_string(score.coefficients)),
                            text(significant(score.chi_squared, 4)),
                            text(fixed(score.aicc, 2)),
@@ -267,7 +268,7 @@ Html introduction(const MaterialReport& material) {
       used(fit.friction_weight),
       used(fit.fraction_weight))));
   std::vector<Html> items;
-  for (const std::string& sentence : material.left_out) items.push_back(text(sentence));
+  for (const std::string& sentence : material.left_out) items.push_back(typeset(sentence));
   if (items.empty()) return result;
   return result + R"(<div class="aside">Without a point:)"_html + list(items) + "</div>\n"_html;
 }

@@ -14,21 +14,11 @@ namespace {
 constexpr std::string_view absent = "–";
 
 /// Beyond these powers of ten a number is easier to read with its power written out.
-constexpr int smallest_plain_power = -3;
+constexpr int smallest_plain_power = -4;
 constexpr int largest_plain_power = 5;
 
 std::string with_minus_sign(const std::string& number) {
   return number.starts_with('-') ? "−" + number.substr(1) : number;
-}
-
-std::string power_of_ten(int power) {
-  constexpr std::array<std::string_view, 10> raised = {
-      "⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
-  std::string result = power < 0 ? " × 10⁻" : " × 10";
-  for (const char digit : std::to_string(std::abs(power))) {
-    result += raised[static_cast<std::size_t>(digit - '0')];
-  }
-  return result;
 }
 
 /// Power of ten of the first digit after rounding to `digits` (0.0996 to 2 digits: -1).
@@ -42,6 +32,16 @@ bool is_plain(int power) {
 }
 
 }  // namespace
+
+std::string power_of_ten(int power) {
+  constexpr std::array<std::string_view, 10> raised = {
+      "⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
+  std::string result = power < 0 ? " × 10⁻" : " × 10";
+  for (const char digit : std::to_string(std::abs(power))) {
+    result += raised[static_cast<std::size_t>(digit - '0')];
+  }
+  return result;
+}
 
 std::string fixed(double value, int decimals) {
   if (!std::isfinite(value)) return std::string(absent);
@@ -71,7 +71,7 @@ std::string with_error(const dem::Estimate& estimate) {
   if (!std::isfinite(error) || error <= 0.0) return significant(value, 4);
   const int error_power = leading_power(error, 2);
   const int power = std::max(error_power, value == 0.0 ? error_power : leading_power(value, 2));
-  if (is_plain(power) && error_power >= smallest_plain_power - 2) {
+  if (is_plain(power) && error_power >= smallest_plain_power - 1) {
     const int decimals = 1 - error_power;
     return fixed(value, decimals) + " ± " + fixed(error, decimals);
   }
@@ -101,6 +101,7 @@ std::string degrees(double radians) {
 
 std::string duration(double seconds) {
   if (!std::isfinite(seconds)) return std::string(absent);
+  if (seconds > 0.0 && seconds < 1e-3) return significant(1e6 * seconds, 2) + " µs";
   if (seconds < 1.0) return significant(1000.0 * seconds, 2) + " ms";
   if (seconds < 60.0) return significant(seconds, 3) + " s";
   const long whole = std::lround(seconds);

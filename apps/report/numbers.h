@@ -28,8 +28,11 @@ std::string percent_value(const dem::Estimate& ratio);
 /// An angle in radians as "24.8°".
 std::string degrees(double radians);
 
-/// A wall time as "38 ms", "12.3 s", "6 min 40 s" or "2 h 05 min".
+/// A wall time as "7.2 µs", "38 ms", "12.3 s", "6 min 40 s" or "2 h 05 min".
 std::string duration(double seconds);
+
+/// " × 10⁻⁵"
+std::string power_of_ten(int power);
 
 /// A whole number with thin spaces between thousands.
 std::string count(double number);

@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "apps/report/sections.h"
 #include "apps/report/style_sheet.h"
 
@@ -30,17 +32,23 @@ struct Part {
   Html content;
 };
 
+bool followed_in_time(const Report& report) {
+  return std::ranges::any_of(report.runs, [](const auto& run) { return !run.in_time.empty(); });
+}
+
 /// What follows from runs of chutes is left out of a report of other things.
 std::vector<Part> parts_of(const Report& report, const Figures& figures, const Pictures& pictures) {
-  const bool other = report.material || report.contact_friction || report.series;
+  const bool other =
+      report.material || report.contact_friction || report.series || !report.flows.empty();
   const bool chutes = !other || !report.runs.empty();
   std::vector<Part> parts;
   const auto add = [&](bool there, std::string_view id, std::string_view title, auto content) {
     if (there) parts.push_back({id, title, content()});
   };
-  const bool summary = !other || chutes || !report.warnings.empty();
+  const bool given = !report.flows.empty() && !report.material;
+  const bool summary = !report.contact_friction || !report.warnings.empty();
   add(summary, "summary", "Summary", [&] { return summary_section(report); });
-  add(!other || report.fit, "law", "Law", [&] {
+  add(!other || given || report.fit, "law", "Law", [&] {
     return law_section(report, figures.law, pictures);
   });
   add(report.material.has_value(), "material", "Material laws", [&] {
@@ -52,7 +60,7 @@ std::vector<Part> parts_of(const Report& report, const Figures& figures, const P
   add(chutes, "predictions", "Steady profiles", [&] {
     return prediction_section(report, figures.profiles, pictures);
   });
-  add(chutes, "in-time", "In time", [&] {
+  add(followed_in_time(report), "in-time", "In time", [&] {
     return in_time_section(report, figures.in_time, pictures);
   });
   add(!report.flows.empty(), "flows", "Other flows", [&] {
@@ -67,16 +75,17 @@ std::vector<Part> parts_of(const Report& report, const Figures& figures, const P
     return certificate_section(report);
   });
   add(!report.seeds.empty(), "seeds", "Seeds", [&] { return seed_section(report); });
-  add(chutes, "time", "Error against run time", [&] {
-    return time_section(report, figures.time, pictures);
-  });
+  add(chutes && (report.fit || !report.error_against_time.empty()),
+      "time",
+      "Error against run time",
+      [&] { return time_section(report, figures.time, pictures); });
   add(report.budget.has_value(), "budget", "Budget", [&] {
     return budget_section(*report.budget, figures.budget, pictures);
   });
   add(chutes || !report.costs.empty(), "cost", "Run time", [&] { return cost_section(report); });
   add(chutes, "health", "Health", [&] { return health_section(report); });
   add(chutes, "answers", "Answers", [&] { return answer_section(report); });
-  add(true, "reading", "How to read this", [] { return reading_section(); });
+  add(true, "reading", "How to read this", [&] { return reading_section(report); });
   return parts;
 }
 
@@ -112,8 +121,9 @@ Html show(const FigureGroup& group, const Pictures& pictures) {
   if (group.figures.empty()) return {};
   Html result;
   if (!group.title.markup.empty()) result += "<h3>"_html + group.title + "</h3>\n"_html;
-  const bool wide = group.figures.size() <= 2;
-  result += wide ? "<div class=\"figures two\">\n"_html : "<div class=\"figures\">\n"_html;
+  const std::size_t number = group.figures.size();
+  const char* columns = number <= 2 ? " two" : number == 4 ? " four" : "";
+  result += Html{fmt::format("<div class=\"figures{}\">\n", columns)};
   for (const Figure& figure : group.figures) result += picture(figure, pictures);
   return result + "</div>\n"_html;
 }

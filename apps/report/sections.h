@@ -63,7 +63,7 @@ Html budget_section(const BudgetReport& budget, const FigureGroup& group, const 
 Html cost_section(const Report& report);
 Html health_section(const Report& report);
 Html answer_section(const Report& report);
-Html reading_section();
+Html reading_section(const Report& report);
 
 /// The whole page.
 std::string page(const Report& report, const Figures& figures, const Pictures& pictures);

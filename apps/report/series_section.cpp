@@ -5,6 +5,7 @@
 #include "apps/report/cohesion_section.h"
 #include "apps/report/numbers.h"
 #include "apps/report/sections.h"
+#include "apps/report/typeset.h"
 
 namespace grainlaw::report {
 namespace {
@@ -130,22 +131,27 @@ Table law_table(const calibration::ContactSeries& contacts) {
 }
 
 Html correlations(const calibration::ContactSeries& contacts) {
-  std::string sentence = "Rank correlation of Xi at half height over all runs: ";
+  std::string sentence;
   for (const calibration::RankCorrelation& one : contacts.correlations) {
-    if (&one != &contacts.correlations.front()) sentence += ", ";
+    if (!std::isfinite(one.value)) continue;
+    sentence += sentence.empty() ? "" : ", ";
     sentence += fmt::format("{} with {}", significant(one.value, 2), one.with);
   }
-  return paragraph(text(
-      sentence + fmt::format(" ({} runs).",
-                             contacts.correlations.empty() ? 0 : contacts.correlations[0].runs)));
+  const auto runs = contacts.correlations.empty() ? 0 : contacts.correlations[0].runs;
+  const std::string subject = "Rank correlation of Xi at half height over all runs: ";
+  if (sentence.empty())
+    sentence = fmt::format("none, as {} runs are too few or all Xi alike.", runs);
+  else
+    sentence += fmt::format(" ({} runs).", runs);
+  return paragraph(typeset(subject + sentence));
 }
 
 Html left_out(const calibration::ContactSeries& contacts) {
   std::vector<Html> items;
-  for (const std::string& sentence : contacts.left_out) items.push_back(text(sentence));
+  for (const std::string& sentence : contacts.left_out) items.push_back(typeset(sentence));
   const auto add = [&](const std::optional<calibration::RatioLaw>& law) {
     if (!law) return;
-    for (const std::string& sentence : law->summary.left_out) items.push_back(text(sentence));
+    for (const std::string& sentence : law->summary.left_out) items.push_back(typeset(sentence));
   };
   for (const calibration::StiffnessLaws& laws : contacts.stiffness) add(laws.ratio[1]);
   add(contacts.lifetime_law);

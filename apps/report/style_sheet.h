@@ -58,13 +58,16 @@ th { font-weight: 600; vertical-align: bottom; }
 thead th { border-bottom: 1px solid var(--ink); white-space: normal; min-width: 4.2rem; }
 th.words, td.words { text-align: left; }
 td { vertical-align: top; }
-.prose { display: inline-block; white-space: normal; width: 26rem; }
+.prose { display: inline-block; white-space: normal; width: 26rem; text-align: left; }
+.prose.short { width: 13rem; }
 tr > :first-child { padding-left: 0.2rem; }
 tr > :last-child { padding-right: 0.2rem; }
 tr.group th { padding-top: 0.8rem; font-style: italic; font-weight: 400; }
 .figures { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(18rem, 100%), 1fr));
   gap: 0.6rem 1.6rem; margin: 0.6rem 0 1.2rem; }
 .figures.two { grid-template-columns: repeat(auto-fill, minmax(min(28rem, 100%), 1fr)); }
+.figures.four { grid-template-columns: repeat(2, minmax(0, 26rem)); }
+@media (max-width: 40rem) { .figures.four { grid-template-columns: 1fr; } }
 figure { margin: 0; max-width: 34rem; font-family: system-ui, "Segoe UI", Roboto, "DejaVu Sans",
   sans-serif; }
 figure svg { display: block; width: 100%; height: auto; }
@@ -82,7 +85,7 @@ figcaption a { color: inherit; }
   table { font-size: 7.5pt; }
   th, td { padding-left: 0.7em; }
   .figures { grid-template-columns: repeat(3, 1fr); }
-  .figures.two { grid-template-columns: repeat(2, 1fr); }
+  .figures.two, .figures.four { grid-template-columns: repeat(2, 1fr); }
   figure, tr, dd, li, .scroll { break-inside: avoid; }
   h2, h3, caption { break-after: avoid; }
 }

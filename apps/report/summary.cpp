@@ -6,8 +6,10 @@
 #include <optional>
 
 #include "apps/report/law_curve.h"
+#include "apps/report/law_formula.h"
 #include "apps/report/numbers.h"
 #include "apps/report/sections.h"
+#include "apps/report/typeset.h"
 
 namespace grainlaw::report {
 namespace {
@@ -27,9 +29,15 @@ dem::Estimate estimate_of(const continuum::RheologyTable& table, const std::stri
   return {};
 }
 
+/// Of "C of C Bo^b" the C: the formula stands beside it.
+Html short_symbol(const std::string& name) {
+  const Html symbol = coefficient_symbol(name);
+  return {symbol.markup.substr(0, symbol.markup.find(" of "))};
+}
+
 Html coefficient_text(const continuum::RheologyTable& table, const std::string& name) {
   const std::string unit = coefficient_unit(name, table.units);
-  return coefficient_symbol(name) + " = "_html + text(with_error(estimate_of(table, name))) +
+  return short_symbol(name) + " = "_html + text(with_error(estimate_of(table, name))) +
          text(unit == "1" ? "" : " " + unit);
 }
 
@@ -43,7 +51,10 @@ std::string fitted_tilts(const Report& report) {
 }
 
 Html origin(const Report& report) {
-  if (!report.fit) return text(", from " + report.table.provenance.source);
+  if (report.material)
+    return text(fmt::format(", fitted to {} states", report.material->fit.friction.data));
+  const std::string& source = report.table.provenance.source;
+  if (!report.fit) return ", from "_html + typeset(source.substr(0, source.find(';')));
   return text(
       fmt::format(", fitted to {} DEM runs ({})", report.fit->points.size(), fitted_tilts(report)));
 }
@@ -55,6 +66,21 @@ Html range_text(const continuum::RheologyTable& table) {
          text(significant(range->upper, 2));
 }
 
+/// Values of the coefficients of friction, or of volume fraction, as the table names them.
+Html coefficient_list(const continuum::RheologyTable& table, bool friction) {
+  std::vector<Html> parts;
+  for (const Coefficient& coefficient : coefficients(table)) {
+    const std::string& name = coefficient.name;
+    const bool base = name == "no_slip_height" || name == "mass_below";
+    const bool of_fraction = name == "phi0" || name == "I_phi" || name == "p_phi" ||
+                             (name.size() == 2 && name[0] == 'p');
+    const bool absent = table.covariance && std::isnan(coefficient.estimate.error) &&
+                        coefficient.estimate.value == 0.0;
+    if (!base && !absent && of_fraction != friction) parts.push_back(coefficient_text(table, name));
+  }
+  return join(parts, ", "_html);
+}
+
 Line friction_line(const Report& report) {
   const continuum::RheologyTable& table = report.table;
   if (std::holds_alternative<continuum::GeneralisedBagnold>(table.law)) {
@@ -63,30 +89,40 @@ Line friction_line(const Report& report) {
                 coefficient_text(table, "a") + ", "_html + coefficient_text(table, "b") +
                 origin(report) + "."_html};
   }
-  const auto& law = std::get<continuum::MuPhi>(table.law);
-  const bool curved = law.friction.kappa > 0.0;
-  Html sentence = "<i>μ</i>(<i>I</i>) = <i>μ</i><sub>0</sub> + <i>β</i><i>I</i>"_html;
-  sentence += curved ? "/(1 + <i>κ</i><i>I</i>)"_html : Html{};
-  sentence += " with "_html + coefficient_text(table, "mu0") + ", "_html;
-  sentence += coefficient_text(table, "beta");
-  sentence += curved ? ", "_html + coefficient_text(table, "kappa") : Html{};
-  return {"Friction law"_html, sentence + origin(report) + range_text(table) + "."_html};
+  return {"Friction law"_html,
+          friction_formula(std::get<continuum::MuPhi>(table.law)) + " with "_html +
+              coefficient_list(table, true) + origin(report) + range_text(table) + "."_html};
 }
 
 std::optional<Line> volume_fraction_line(const Report& report) {
-  if (!std::holds_alternative<continuum::MuPhi>(report.table.law)) return std::nullopt;
+  const auto* law = std::get_if<continuum::MuPhi>(&report.table.law);
+  if (!law) return std::nullopt;
   return Line{
       "Volume fraction"_html,
-      "<i>φ</i>(<i>I</i>) = <i>φ</i><sub>0</sub> (1 − <i>I</i>/<i>I<sub>φ</sub></i>) with "_html +
-          coefficient_text(report.table, "phi0") + ", "_html +
-          coefficient_text(report.table, "I_phi") + "."_html};
+      fraction_formula(*law) + " with "_html + coefficient_list(report.table, false) + "."_html};
+}
+
+/// How far the points of homogeneous flow lie from their laws.
+std::optional<Line> scatter_line(const Report& report) {
+  if (!report.material) return std::nullopt;
+  const calibration::MaterialFit& fit = report.material->fit;
+  const auto scatter = [](const calibration::FitSummary& of) {
+    const double freedom = of.data - static_cast<double>(of.coefficients.size());
+    return significant(std::sqrt(of.chi_squared / freedom), 2);
+  };
+  return Line{"Scatter"_html,
+              text(fmt::format("The states lie {} (friction) and {} (volume fraction) standard "
+                               "errors off the laws (rms); 1 is chance.",
+                               scatter(fit.friction),
+                               scatter(fit.volume_fraction)))};
 }
 
 std::optional<Line> not_identifiable_line(const Report& report) {
   if (!report.fit) return std::nullopt;
   std::vector<Html> sentences;
   for (const auto* fit : {&report.fit->friction, &report.fit->volume_fraction}) {
-    for (const std::string& sentence : fit->not_identifiable) sentences.push_back(text(sentence));
+    for (const std::string& sentence : fit->not_identifiable)
+      sentences.push_back(typeset(sentence));
   }
   if (sentences.empty()) return Line{"Identifiable"_html, "Every fitted coefficient."_html};
   return Line{"Not identifiable"_html, join(sentences, " "_html)};
@@ -121,17 +157,18 @@ std::string flow_count(const Report& report, const std::string& geometry, const 
 
 std::optional<Line> flow_line(const Report& report) {
   std::vector<Html> parts;
-  for (const std::string& part : {flow_count(report, "simple_shear", "of simple shear"),
-                                  flow_count(report, "plane_shear", "of plane shear"),
-                                  flow_count(report, "body_force_box", "of body-force boxes"),
-                                  flow_count(report, "split_bottom", "of ring cells")}) {
+  for (const std::string& part : {flow_count(report, "simple_shear", "simple shear"),
+                                  flow_count(report, "plane_shear", "plane shear"),
+                                  flow_count(report, "body_force_box", "body-force box"),
+                                  flow_count(report, "split_bottom", "ring cell")}) {
     if (!part.empty()) parts.push_back(text(part));
   }
   if (parts.empty()) return std::nullopt;
+  const bool one = report.flows.size() == 1;
   return Line{
       "Other flows"_html,
-      "Runs "_html + join(parts, ", "_html) +
-          R"(: see <a href="#flows">below</a>, and <a href="#scores">all errors</a>.)"_html};
+      join(parts, ", "_html) + text(one ? " run: " : " runs: ") +
+          R"(<a href="#flows">profiles and states</a>, <a href="#scores">all errors</a>.)"_html};
 }
 
 Html in_words(const calibration::Stretch& stretch, double time_unit) {
@@ -169,7 +206,7 @@ Line answers_line(const Report& report) {
     const continuum::Answer& answer = run.steady.answer;
     ++counts[std::string(continuum::name(answer.outcome))];
     if (answer.outcome != continuum::Outcome::steady) {
-      others.push_back(text(degrees(run.data.conditions.inclination) + ": " + answer.text));
+      others.push_back(typeset(degrees(run.data.conditions.inclination) + ": " + answer.text));
     }
   }
   std::vector<Html> parts;
@@ -203,11 +240,11 @@ Line range_line(const Report& report) {
   std::vector<Html> parts;
   for (const auto& [quantity, excursion] : excursions(report)) {
     const continuum::RangeFlag& flag = excursion.widest;
-    parts.push_back(text(fmt::format("{} at {} (reached {}, data {})",
-                                     quantity,
-                                     excursion.tilts,
-                                     interval(flag.reached_lowest, flag.reached_highest),
-                                     interval(flag.lower, flag.upper))));
+    parts.push_back(typeset(fmt::format("{} at {} (reached {}, data {})",
+                                        quantity,
+                                        excursion.tilts,
+                                        interval(flag.reached_lowest, flag.reached_highest),
+                                        interval(flag.lower, flag.upper))));
   }
   if (parts.empty()) {
     return {"Range"_html, "Every prediction stays inside the range of the data."_html};
@@ -238,19 +275,65 @@ Line cost_line(const Report& report) {
   const double fitted =
       report.fit ? report.fit->friction.wall_seconds + report.fit->volume_fraction.wall_seconds
                  : 0.0;
-  std::string sentence = "DEM " + duration(measured) + " (sum over the runs)";
+  std::string sentence =
+      "DEM " + duration(measured) + (report.runs.size() > 1 ? " (sum over the chutes)" : "");
   if (report.fit) sentence += ", fit " + duration(fitted);
-  sentence += fmt::format(", all {} predictions {}.", report.runs.size(), duration(predicted));
+  const std::size_t runs = report.runs.size();
+  sentence += runs == 1 ? ", the prediction " : fmt::format(", all {} predictions ", runs);
+  sentence += duration(predicted) + ".";
   return {"Run time"_html, text(sentence)};
 }
 
+std::string share_text(std::size_t part, std::size_t all) {
+  return part == all ? fmt::format("all {}", all) : fmt::format("{} of {}", part, all);
+}
+
+/// What a series of chutes says of Xi and of contacts.
+std::vector<Line> series_lines(const calibration::ContactSeries& contacts) {
+  constexpr std::size_t half = 1;  // of the height, among the three of a point
+  double low = std::numeric_limits<double>::infinity(), high = 0.0;
+  double least = low, most = 0.0;
+  std::size_t told = 0;
+  for (const calibration::ContactPoint& point : contacts.points) {
+    const calibration::FittedCoefficient& xi = point.ratio[half];
+    if (xi.interval.lower > 0.0) ++told;
+    least = std::fmin(least, xi.interval.upper);
+    most = std::fmax(most, xi.interval.upper);
+    if (!point.tail_sampled) continue;
+    low = std::fmin(low, point.long_lifetime.value);
+    high = std::fmax(high, point.long_lifetime.value);
+  }
+  const std::size_t all = contacts.points.size();
+  std::vector<Line> result = {{"Runs"_html, text(fmt::format("{} steady chutes.", all))}};
+  if (all == 0) return result;
+  result.push_back({"<i>Ξ</i> at half height"_html,
+                    text(fmt::format("Told from 0 in {} of the runs; upper ends of the 95 % "
+                                     "intervals {}.",
+                                     told == 0 ? "none" : share_text(told, all),
+                                     interval(least, most)))});
+  if (high > 0.0)
+    result.push_back({"Long lifetimes"_html,
+                      "<i>γ̇ τ<sub>l</sub></i> = "_html + text(interval(low, high)) + "."_html});
+  for (const calibration::StiffnessLaws& laws : contacts.stiffness) {
+    if (!laws.collision_rate) continue;
+    const auto& rate = laws.collision_rate->rate;
+    result.push_back({"Collisions"_html,
+                      "<i>N<sub>c</sub></i> ∝ <i>k<sub>n</sub><sup>α</sup></i>, <i>α</i> = "_html +
+                          text(fmt::format("{} ({}).",
+                                           with_error({.value = rate.value, .error = rate.error}),
+                                           laws.series))});
+  }
+  return result;
+}
+
 std::vector<Line> lines(const Report& report) {
-  if (report.series) return {};  // no law
+  if (report.series) return series_lines(report.series->contacts);
   std::vector<Line> result = {friction_line(report)};
   const auto add = [&](const std::optional<Line>& line) {
     if (line) result.push_back(*line);
   };
   add(volume_fraction_line(report));
+  add(scatter_line(report));
   add(not_identifiable_line(report));
   add(error_line(report, SampleKind::in_sample, "In sample"_html));
   add(error_line(report, SampleKind::leave_one_out, "Left out"_html));
@@ -270,7 +353,10 @@ std::vector<Line> lines(const Report& report) {
 
 Html warnings(const Report& report) {
   std::vector<Html> items;
-  for (const std::string& warning : report.warnings) items.push_back(text(warning));
+  for (auto warning = report.warnings.begin(); warning != report.warnings.end(); ++warning) {
+    const bool said = std::find(report.warnings.begin(), warning, *warning) != warning;
+    if (!said) items.push_back(typeset(*warning));
+  }
   if (items.empty()) return {};
   return "<div class=\"note\"><strong>Warnings</strong>"_html + list(items) + "</div>\n"_html;
 }

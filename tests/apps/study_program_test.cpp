@@ -122,8 +122,28 @@ TEST_F(StudyProgram, ASceneThatDoesNotFitTheKindIsBadInput) {
   EXPECT_NE(output.text.find("this study takes a chute"), std::string::npos) << output.text;
 }
 
+// Where the stress is uniform so is the fluidity, and the nonlocal law is the local one (Kamrin and
+// Koval 2012): both solvers have their profiles to 1e-4.
+TEST_F(StudyProgram, NonlocalLawIsTheLocalOneInUniformShear) {
+  const Output output =
+      study(std::string(GRAINLAW_DATA) + "/studies/law_bands.toml -o " + results());
+  ASSERT_EQ(output.code, 0) << output.text;
+  const std::string csv = read(fs::path(results()) / "study.csv");
+  const auto error = [&](const std::string& law) {
+    const std::string quantity = "velocity of plane_shear,velocity of plane_shear,";
+    const std::size_t at = csv.find(quantity + law + ",");
+    EXPECT_NE(at, std::string::npos) << law << "\n" << csv;
+    std::istringstream line(csv.substr(at));
+    std::string field;
+    for (int k = 0; k < 7; ++k) std::getline(line, field, ',');
+    return std::stod(field);
+  };
+  EXPECT_NEAR(error("nonlocal"), error("mu(I) + p*"), 1e-4);
+  EXPECT_NE(csv.find("chutes are predicted by local laws"), std::string::npos) << csv;
+}
+
 TEST_F(StudyProgram, TheExamplesAreGoodInput) {
-  for (const char* name : {"solver", "whole", "averaging_time", "kernel"}) {
+  for (const char* name : {"solver", "whole", "averaging_time", "kernel", "law", "law_bands"}) {
     const Output output = study(std::string(GRAINLAW_DATA) + "/studies/" + name + ".toml --check");
     EXPECT_EQ(output.code, 0) << name << ": " << output.text;
   }

@@ -186,7 +186,7 @@ TEST(LawStudy, ALawOfIPredictsAnotherTiltWhereBagnoldKeepsItsCoefficient) {
   study.predicted.push_back(store(folder, chute_of_law(25, 3)));
   const Result result = run(study, quick(), Context{});
   const auto points = of_series(result, "velocity of theta25");
-  ASSERT_EQ(points.size(), 5);
+  ASSERT_EQ(points.size(), 6);
   EXPECT_EQ(points[0].setting, "Bagnold");
   EXPECT_EQ(points[2].setting, "mu(I)");
   // I goes from 0.142 (24 degrees) to 0.177 (25 degrees): a velocity of the nearest tilt is off by
@@ -194,6 +194,7 @@ TEST(LawStudy, ALawOfIPredictsAnotherTiltWhereBagnoldKeepsItsCoefficient) {
   EXPECT_GT(points[0].error, 0.1);
   EXPECT_LT(points[2].error, 0.01);
   EXPECT_TRUE(points[4].failed()) << "nothing attracts, so no term in Bo can be told";
+  EXPECT_TRUE(points[5].failed()) << "no shear band gives a nonlocal amplitude";
 }
 
 }  // namespace

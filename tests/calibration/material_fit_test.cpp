@@ -239,6 +239,18 @@ TEST(MaterialFit, PlateauBeyondTheDataHasAnOpenInterval) {
   EXPECT_GE(linear, 10);  // the chance to see kappa at 2 standard errors is 7 %
 }
 
+// Points that scatter by ten times their stated errors: all errors grow to match, and an interval
+// of 95 % still holds the value and one error to either side.
+TEST(MaterialFit, PlateauHasAWideIntervalWhereTheLawMissesThePoints) {
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    auto points = states(frictional, cohesionless, {.friction = 0.012, .seed = seed});
+    for (StatePoint& point : points) point.friction.error /= 10.0;
+    const FittedCoefficient mu_inf = derived(fit_material(points).friction, "mu_inf");
+    EXPECT_LT(mu_inf.interval.lower, mu_inf.value - mu_inf.error);
+    EXPECT_GT(mu_inf.interval.upper, mu_inf.value + mu_inf.error);
+  }
+}
+
 TEST(MaterialFit, PointsOutsideTheRangeAreLeftOutWeighLessOrStay) {
   StateGrid wide = cohesionless;
   wide.inertial_numbers.push_back(0.8);

@@ -252,7 +252,7 @@ TEST_F(WrittenReport, InSampleAndPredictedErrorsStandUnderTheirOwnHeadings) {
   EXPECT_LT(interpolation, extrapolation);
   EXPECT_NE(shown.find("2.14 ± 0.41 %", 0), std::string::npos);
   EXPECT_NE(shown.find("24.8°, predicted (interpolation)"), std::string::npos);
-  EXPECT_NE(shown.find("I at 27.5° (reached 0.264, data 0.0410 to 0.206)"), std::string::npos);
+  EXPECT_NE(shown.find("at 27.5° (reached 0.264, data 0.0410 to 0.206)"), std::string::npos);
 }
 
 TEST_F(Report, ATableWithoutErrorsAndWithoutAFitIsReportedAsSuch) {

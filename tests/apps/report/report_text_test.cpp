@@ -9,6 +9,7 @@
 #include "apps/report/law_curve.h"
 #include "apps/report/numbers.h"
 #include "apps/report/svg.h"
+#include "apps/report/typeset.h"
 
 namespace grainlaw::report {
 namespace {
@@ -45,6 +46,26 @@ TEST(Numbers, DurationsAndAnglesReadAsPeopleSayThem) {
   EXPECT_EQ(duration(7500.0), "2 h 05 min");
   EXPECT_EQ(degrees(24.8 * M_PI / 180.0), "24.8°");
   EXPECT_EQ(count(6035000.0), "6\u202f035\u202f000");
+}
+
+TEST(Typeset, SentencesOfTheProgramReadAsInPrint) {
+  const auto of = [](const char* plain) { return typeset(plain).markup; };
+  EXPECT_EQ(of("mu0 + beta I^n"), "<i>μ</i><sub>0</sub> + <i>β</i> <i>I</i><sup>n</sup>");
+  EXPECT_EQ(of("Bo^beta p*^g"), "Bo<sup><i>β</i></sup> <i>p</i>*<sup>g</sup>");
+  EXPECT_EQ(of("1.2e-06 +- 3e-07"), "1.2 × 10⁻⁶ ± 3 × 10⁻⁷");
+  EXPECT_EQ(of("z = -0.5 to 0.5"), "z = −0.5 to 0.5");
+  EXPECT_EQ(of("at 23 deg"), "at 23°");
+  EXPECT_EQ(of("a < b & tau_c"), "a &lt; b &amp; <i>τ<sub>c</sub></i>");
+}
+
+TEST(Typeset, NamesOfRunsAndFilesStayAsTheyAre) {
+  for (const char* name :
+       {"mu0.5_I0.02_p0.01", "hooke_kn2e5", "table.toml", "shi2020_mu_p_0.50", "runs/theta24.h5"})
+    EXPECT_EQ(typeset(name).markup, name);
+}
+
+TEST(Typeset, SymbolsBecomeEnhancedTextOfGnuplot) {
+  EXPECT_EQ(plot_symbol({"<i>I<sub>φ</sub></i>"}), "{/:Italic I_{φ}}");
 }
 
 TEST(Csv, NumbersThatAreNotThereAreEmptyFields) {
