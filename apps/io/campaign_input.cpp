@@ -44,9 +44,7 @@ std::vector<double> read_tilts(Section& section,
                                std::string_view note) {
   const Key tilts{key, meaning, {"degrees"}, chute_tilts};
   auto values = section.find<std::vector<double>>(tilts, note).value_or(std::vector<double>{});
-  if (section.has(key) && values.empty()) {
-    section.problem(key, fmt::format("'{}' is empty: give at least one tilt", key));
-  }
+  refuse_empty(section, key, values);
   std::ranges::transform(values, values.begin(), radians);
   return values;
 }
@@ -110,12 +108,12 @@ ShearBoxes read_boxes(Section& section) {
       section,
       {"bond_number", "Bo: sets the strength of [contact.cohesion]; 0: without", {}, not_negative},
       "that of the scene");
-  boxes.strain = section.find<double>(
-      {"strain",
-       "to average over; the time limit is twice it, samples are 0.005 apart, frames 0.1",
-       {},
-       positive},
-      "the times of the scene");
+  boxes.strain = section.find<double>({"strain",
+                                       "to average over; the time limit is twice it, or 2 more, "
+                                       "samples are 0.005 apart, frames 0.1",
+                                       {},
+                                       positive},
+                                      "the times of the scene");
   return boxes;
 }
 
