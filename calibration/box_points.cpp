@@ -5,27 +5,17 @@
 #include <sstream>
 
 #include "calibration/observations.h"
+#include "calibration/state_comparison.h"
 #include "dem/statistics.h"
 
 namespace grainlaw::calibration {
 namespace {
 
-using dem::Estimate;
 using dem::FieldRow;
 using dem::LocalRow;
 
-Estimate magnitude(const Estimate& e) {
-  return {std::abs(e.value), e.error, e.effective_samples};
-}
-
 double bond_number(const dem::ChuteConditions& grains, double stress) {
   return grains.attraction / (stress * grains.grain_diameter * grains.grain_diameter);
-}
-
-/// Bo with the relative error of the stress.
-Estimate bond_number(const dem::ChuteConditions& grains, const Estimate& stress) {
-  const double Bo = bond_number(grains, stress.value);
-  return {Bo, Bo > 0.0 ? Bo * stress.error / stress.value : 0.0};
 }
 
 /// Fields of one row in every frame of the steady window.
@@ -66,17 +56,12 @@ double friction_fraction_correlation(const dem::LocalData& run, double z) {
 }
 
 StatePoint point_of(const dem::LocalData& run, const LocalRow& row) {
-  return {.name = run.name,
-          .inertial_number = magnitude(row.inertial_number),
-          .softness = row.softness,
-          .bond_number = bond_number(run.conditions, row.normal_stress),
-          .friction = magnitude(row.friction),
-          .volume_fraction = row.volume_fraction,
-          .correlation = friction_fraction_correlation(run, row.z),
-          .run = run.name,
-          .place = row.z,
-          .wall_seconds = run.summary.wall_seconds,
-          .unfit = {}};
+  StatePoint point = state_of(row, run.conditions, run.name);
+  point.correlation = friction_fraction_correlation(run, row.z);
+  point.run = run.name;
+  point.place = row.z;
+  point.wall_seconds = run.summary.wall_seconds;
+  return point;
 }
 
 /// Slope of the velocity profile of a box in each frame over the imposed one, less 1: a straight

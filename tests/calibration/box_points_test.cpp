@@ -128,6 +128,16 @@ TEST(ProfilePoints, BothWaysOfShearAreOneState) {
   }
 }
 
+TEST(ProfilePoints, BondNumberHasTheRelativeErrorOfTheStressOfItsRow) {
+  dem::LocalData data = sheared_both_ways(20);
+  data.conditions.attraction = 0.5;
+  for (dem::LocalRow& row : data.rows) row.normal_stress = {2.0, 0.1};
+  for (const StatePoint& point : profile_points(data).points) {
+    EXPECT_DOUBLE_EQ(point.bond_number.value, 0.25);
+    EXPECT_DOUBLE_EQ(point.bond_number.error, 0.25 * 0.05);
+  }
+}
+
 TEST(ProfilePoints, RowsAtWallsAreLeftOut) {
   dem::LocalData data = sheared_both_ways(20);
   data.conditions.geometry = "plane_shear";
