@@ -228,14 +228,7 @@ ExitCode list(const io::Campaign& campaign, const fs::path& directory) {
   return ExitCode::answered;
 }
 
-Summary write_results(const report::Report& report, Summary summary, const fs::path& directory) {
-  if (report.series) {
-    report::write_report(report, directory);
-    add_series_lines(summary, report.series->contacts);
-    if (report.series->cohesion) add_cohesion_lines(summary, *report.series->cohesion);
-    summary.add("report", "report", (directory / "report.html").string());
-    return summary;
-  }
+void write_results(const report::Report& report, const fs::path& directory, Summary& summary) {
   io::write_table(report.table, directory / "table.toml");
   if (report.fit) write_bagnold_tables(report.runs, directory / "bagnold");
   report::write_report(report, directory);
@@ -246,8 +239,14 @@ Summary write_results(const report::Report& report, Summary summary, const fs::p
   add_error_lines(summary, report.runs);
   add_seed_lines(summary, report.seeds);
   summary.add("table", "table", (directory / "table.toml").string());
-  summary.add("report", "report", (directory / "report.html").string());
-  return summary;
+}
+
+void write_results(const report::SeriesReport& report,
+                   const fs::path& directory,
+                   Summary& summary) {
+  report::write_report(report, directory);
+  add_series_lines(summary, report.contacts);
+  if (report.cohesion) add_cohesion_lines(summary, *report.cohesion);
 }
 
 /// The table that shear boxes or the runs of a series are held against, where one is given.
@@ -310,11 +309,16 @@ ExitCode run(const io::Campaign& campaign,
   Summary summary;
   add_run_lines(summary, data);
   for (const io::RunRecord& record : data.imported) add_checks(summary, record);
-  report::Report report = evaluate(campaign, std::move(data), directory, reference);
-  if (budget) add_budget_lines(summary, *budget);
-  report.budget = std::move(budget);
-  report.command = "grainlaw calibrate " + fs::path(arguments.campaign).filename().string();
-  print(write_results(report, std::move(summary), directory), options);
+  if (campaign.series.empty()) {
+    report::Report report = evaluate(campaign, std::move(data), directory, reference);
+    if (budget) add_budget_lines(summary, *budget);
+    report.budget = std::move(budget);
+    write_results(report, directory, summary);
+  } else {
+    write_results(evaluate_series(campaign, std::move(data), reference), directory, summary);
+  }
+  summary.add("report", "report", (directory / "report.html").string());
+  print(summary, options);
   return ExitCode::answered;
 }
 

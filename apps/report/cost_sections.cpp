@@ -18,7 +18,7 @@ std::string time_taken(double seconds) {
   return seconds > 0.0 ? duration(seconds) : "–";
 }
 
-Table dem_table(const Report& report) {
+Table dem_table(const std::vector<RunComparison>& runs) {
   Table result{.caption = "DEM runs. Grain-steps count the flowing grains."_html,
                .head = {"Run"_html,
                         "Grains, flowing + base"_html,
@@ -29,7 +29,7 @@ Table dem_table(const Report& report) {
                         "Predicted in"_html},
                .rows = {},
                .text_columns = 1};
-  for (const RunComparison& run : report.runs) {
+  for (const RunComparison& run : runs) {
     const dem::RunSummary& cost = run.data.summary;
     result.rows.push_back({run_label(run),
                            text(count(cost.flowing_grains) + " + " + count(cost.base_grains)),
@@ -42,12 +42,12 @@ Table dem_table(const Report& report) {
   return result;
 }
 
-Table stage_table(const Report& report) {
+Table stage_table(const std::vector<StageCost>& costs) {
   Table result{.caption = "Stages."_html,
                .head = {"Stage"_html, "Wall time"_html, "CPU time"_html},
                .rows = {},
                .text_columns = 1};
-  for (const StageCost& cost : report.costs) {
+  for (const StageCost& cost : costs) {
     result.rows.push_back(
         {text(cost.stage), text(duration(cost.wall_seconds)), text(time_taken(cost.cpu_seconds))});
   }
@@ -118,11 +118,11 @@ Html window_reasons(const Report& report) {
 
 }  // namespace
 
-Html cost_section(const Report& report) {
+Html cost_section(const ReportHead& report, const std::vector<RunComparison>& runs) {
   Html content;
   if (!report.machine.empty()) content += paragraph(text("Machine: " + report.machine + "."));
-  if (!report.costs.empty()) content += table(stage_table(report));
-  if (!report.runs.empty()) content += table(dem_table(report));
+  if (!report.costs.empty()) content += table(stage_table(report.costs));
+  if (!runs.empty()) content += table(dem_table(runs));
   return section("cost", "Run time"_html, content);
 }
 

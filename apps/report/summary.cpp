@@ -245,7 +245,6 @@ Line cost_line(const Report& report) {
 }
 
 std::vector<Line> lines(const Report& report) {
-  if (report.series) return {};  // no law
   std::vector<Line> result = {friction_line(report)};
   const auto add = [&](const std::optional<Line>& line) {
     if (line) result.push_back(*line);
@@ -268,7 +267,7 @@ std::vector<Line> lines(const Report& report) {
   return result;
 }
 
-Html warnings(const Report& report) {
+Html warnings(const ReportHead& report) {
   std::vector<Html> items;
   for (const std::string& warning : report.warnings) items.push_back(text(warning));
   if (items.empty()) return {};
@@ -283,6 +282,10 @@ Html summary_section(const Report& report) {
     content += "<dt>"_html + line.topic + "</dt><dd>"_html + line.sentence + "</dd>\n"_html;
   }
   return section("summary", "What came out"_html, content + "</dl>\n"_html + warnings(report));
+}
+
+Html summary_section(const SeriesReport& report) {
+  return section("summary", "What came out"_html, warnings(report));
 }
 
 }  // namespace grainlaw::report
