@@ -293,8 +293,7 @@ ExitCode run(const io::Campaign& campaign,
   const auto reference = reference_of(campaign, arguments);  // before hours of runs
   const fs::path directory = arguments.output;
   const DirectoryLock lock(directory);
-  catch_stop_signals();
-  if (arguments.max_wall > 0.0) stop_after(arguments.max_wall);
+  catch_stop_signals(arguments.max_wall);
   std::optional<report::BudgetReport> budget;
   CampaignData data = data_of(campaign, arguments, options, budget);
   if (stop_requested()) {
@@ -373,17 +372,15 @@ ExitCode calibrate(const Arguments& arguments, const CommonOptions& options) {
 
 int main(int argc, char** argv) {
   using namespace grainlaw;
-  CommonOptions options;
   CommandLine line(
-      "grainlaw-calibrate",
+      "calibrate",
       "Runs the scenes of a campaign, fits mu(I) and phi(I) to chutes, with a and b per\n"
       "tilt, or mu(I, p*, Bo) and phi(I, p*, Bo) to shear boxes, predicts every chute\n"
       "from the fitted table, writes table, predictions, report.",
       "  grainlaw calibrate data/campaigns/quickstart/campaign.toml -o results\n"
       "  grainlaw calibrate CAMPAIGN.toml -o results --budget 10min\n"
       "  grainlaw calibrate CAMPAIGN.toml -o results --list | parallel\n"
-      "  grainlaw calibrate CAMPAIGN.toml -o results --from results/runs",
-      options);
+      "  grainlaw calibrate CAMPAIGN.toml -o results --from results/runs");
   Arguments arguments;
   line.option("CAMPAIGN.toml", arguments.campaign, "the campaign");
   line.option("-o,--output", arguments.output, "folder for results (default: calibration-report)");
@@ -405,6 +402,6 @@ int main(int argc, char** argv) {
                 arguments.budget,
                 "choose runs so that the predict tilts are known best after this wall time");
   line.threads("runs at once, one process each (default: cores)", 0);
-  if (const auto code = line.parse(argc, argv)) return *code;
-  return run_program("grainlaw calibrate", [&] { return calibrate(arguments, options); });
+  return line.run(
+      argc, argv, [&](const CommonOptions& options) { return calibrate(arguments, options); });
 }
