@@ -115,10 +115,15 @@ void require_geometry(const dem::LocalData& run, bool right, const char* asked) 
                  (right ? "has no rows: nothing was averaged" : asked));
 }
 
-/// Walls of plane shear, where rows are layered; a periodic box has none.
-bool near_wall(const dem::LocalData& run, double z, double distance) {
-  if (run.frames.periodic) return false;
-  return z < run.rows.front().z + distance || z > run.rows.back().z - distance;
+/// Walls of plane shear, where rows are layered: z = 0 and the surface of the flow, which rows
+/// reach beyond as far as the kernel. A periodic box has none.
+bool near_wall(const dem::LocalData& run, double surface, double z, double distance) {
+  return !run.frames.periodic && (z < distance || z > surface - distance);
+}
+
+double surface_of(const dem::LocalData& run) {
+  const std::vector<LocalRow> rows = measured_rows(run).rows;
+  return rows.empty() ? 0.0 : rows.back().z + 0.5 * run.frames.row_width();
 }
 
 bool flows(const LocalRow& row) {
@@ -159,11 +164,12 @@ ProfilePoints profile_points(const dem::LocalData& run) {
   const double spacing = 2.0 * run.frames.kernel.width;
   const double rounding = 1e-9 * spacing;
   const double period = static_cast<double>(run.rows.size()) * run.frames.row_width();
+  const double surface = surface_of(run);
   int close = 0, wall = 0, still = 0;
   std::optional<double> first, last;
   for (const LocalRow& row : run.rows) {
     const bool wraps = run.frames.periodic && first && *first + period - row.z < spacing - rounding;
-    if (near_wall(run, row.z, spacing)) {
+    if (near_wall(run, surface, row.z, spacing - rounding)) {
       ++wall;
     } else if (!flows(row)) {
       ++still;
