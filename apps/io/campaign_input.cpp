@@ -125,7 +125,8 @@ void read_series_keys(InputFile& in, Keys& keys) {
     ChuteSeries series;
     series.name = section.read<std::string>({"name", "of the series, for figures"});
     auto scenes = section.read<std::vector<std::string>>(
-        {"scenes", "chutes, relative to this file; their [lifetimes] are compared where they have them"});
+        {"scenes",
+         "chutes, relative to this file; their [lifetimes] are compared where they have them"});
     refuse_empty(section, "scenes", scenes);
     refuse_repeated(section, "scenes", scenes);
     keys.series_scenes.push_back(std::move(scenes));
@@ -250,8 +251,8 @@ void require_chute_of_series(const InputFile& in,
                              const std::string& section,
                              const SceneFile& file) {
   if (std::holds_alternative<dem::Chute>(file.scene.geometry)) return;
-  throw InputError(in.message(
-      section, "scenes", fmt::format("{}: a series takes chutes", file.path.string())));
+  throw InputError(
+      in.message(section, "scenes", fmt::format("{}: a series takes chutes", file.path.string())));
 }
 
 void read_series_scenes(const InputFile& in, const Keys& keys, Campaign& campaign) {
