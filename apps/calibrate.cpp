@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cmath>
 #include <filesystem>
 #include <optional>
 
@@ -17,6 +16,7 @@
 #include "apps/io/rheology_table_toml.h"
 #include "apps/program.h"
 #include "apps/scene_run.h"
+#include "apps/series_summary.h"
 
 namespace grainlaw {
 namespace {
@@ -116,57 +116,6 @@ void add_error_lines(Summary& summary, const std::vector<report::RunComparison>&
   }
 }
 
-void add_law_line(Summary& summary,
-                  const std::string& key,
-                  const std::string& label,
-                  const std::optional<calibration::RatioLaw>& law) {
-  if (!law) return;
-  summary.add_estimate(key + "_factor", label, law->factor.value, law->factor.error);
-  summary.add_estimate(key + "_rate", "  exponent or rate", law->rate.value, law->rate.error);
-}
-
-void add_series_lines(Summary& summary, const calibration::ContactSeries& contacts) {
-  for (const calibration::StiffnessLaws& laws : contacts.stiffness) {
-    add_law_line(summary, laws.series + "_Xi", laws.series + ": Xi at h/2 over k_n", laws.ratio[1]);
-    add_law_line(summary, laws.series + "_Nc", laws.series + ": N_c over k_n", laws.collision_rate);
-  }
-  add_law_line(summary, "Xi_lifetime", "Xi over exp(gd tau_l)", contacts.lifetime_law);
-  for (const calibration::RankCorrelation& one : contacts.correlations) {
-    const std::string label = "rank correlation of Xi with " + one.with;
-    if (std::isfinite(one.value)) {
-      summary.add("rank_" + one.with, label, one.value);
-    } else {
-      summary.add("rank_" + one.with, label, std::string("none: too few runs, or all Xi alike"));
-    }
-  }
-  if (!contacts.left_out.empty()) summary.add("left_out", "left out", contacts.left_out);
-}
-
-void add_cohesion_lines(Summary& summary, const calibration::CohesionSeries& cohesion) {
-  if (cohesion.mu0) {
-    summary.add_estimate("mu0", "mu0 without cohesion", cohesion.mu0->value, cohesion.mu0->error);
-  }
-  for (const calibration::CohesivePoint& point : cohesion.points) {
-    summary.add_estimate("tau_c_" + point.name,
-                         "tau_c of " + point.name,
-                         point.yield_stress.value,
-                         point.yield_stress.error,
-                         "(stress-rate pairs)");
-  }
-  for (const calibration::PooledCohesion& one : cohesion.pooled) {
-    summary.add_estimate(
-        fmt::format("c0_{:.3g}", one.attraction),
-        fmt::format("c0 at f_a = {:.3g} m g", one.attraction),
-        one.cohesion.value,
-        one.cohesion.error,
-        one.tilts > 1 ? fmt::format("({} tilts, chance of one value {:.2g})", one.tilts, one.chance)
-                      : "(one tilt)");
-  }
-  if (!cohesion.left_out.empty()) {
-    summary.add("cohesion_left_out", "left out", cohesion.left_out);
-  }
-}
-
 void add_seed_lines(Summary& summary, const std::vector<report::SeedScatter>& seeds) {
   for (const report::SeedScatter& one : seeds) {
     summary.add(
@@ -241,14 +190,7 @@ ExitCode list(const io::Campaign& campaign, const fs::path& directory) {
   return ExitCode::answered;
 }
 
-Summary write_results(const report::Report& report, Summary summary, const fs::path& directory) {
-  if (report.series) {
-    report::write_report(report, directory);
-    add_series_lines(summary, report.series->contacts);
-    if (report.series->cohesion) add_cohesion_lines(summary, *report.series->cohesion);
-    summary.add("report", "report", (directory / "report.html").string());
-    return summary;
-  }
+void write_results(const report::Report& report, const fs::path& directory, Summary& summary) {
   io::write_table(report.table, directory / "table.toml");
   if (report.fit) write_bagnold_tables(report.runs, directory / "bagnold");
   report::write_report(report, directory);
@@ -259,8 +201,13 @@ Summary write_results(const report::Report& report, Summary summary, const fs::p
   add_error_lines(summary, report.runs);
   add_seed_lines(summary, report.seeds);
   summary.add("table", "table", (directory / "table.toml").string());
-  summary.add("report", "report", (directory / "report.html").string());
-  return summary;
+}
+
+void write_results(const report::SeriesReport& report,
+                   const fs::path& directory,
+                   Summary& summary) {
+  report::write_report(report, directory);
+  add_series_lines(summary, report);
 }
 
 /// The table that shear boxes or the runs of a series are held against, where one is given.
@@ -307,8 +254,7 @@ ExitCode run(const io::Campaign& campaign,
   const auto reference = reference_of(campaign, arguments);  // before hours of runs
   const fs::path directory = arguments.output;
   const DirectoryLock lock(directory);
-  catch_stop_signals();
-  if (arguments.max_wall > 0.0) stop_after(arguments.max_wall);
+  catch_stop_signals(arguments.max_wall);
   std::optional<report::BudgetReport> budget;
   CampaignData data = data_of(campaign, arguments, options, budget);
   if (stop_requested()) {
@@ -323,11 +269,16 @@ ExitCode run(const io::Campaign& campaign,
   Summary summary;
   add_run_lines(summary, data);
   for (const io::RunRecord& record : data.imported) add_checks(summary, record);
-  report::Report report = evaluate(campaign, std::move(data), directory, reference);
-  if (budget) add_budget_lines(summary, *budget);
-  report.budget = std::move(budget);
-  report.command = "grainlaw calibrate " + fs::path(arguments.campaign).filename().string();
-  print(write_results(report, std::move(summary), directory), options);
+  if (campaign.series.empty()) {
+    report::Report report = evaluate(campaign, std::move(data), directory, reference);
+    if (budget) add_budget_lines(summary, *budget);
+    report.budget = std::move(budget);
+    write_results(report, directory, summary);
+  } else {
+    write_results(evaluate_series(campaign, std::move(data), reference), directory, summary);
+  }
+  summary.add("report", "report", (directory / "report.html").string());
+  print(summary, options);
   return ExitCode::answered;
 }
 
@@ -382,17 +333,15 @@ ExitCode calibrate(const Arguments& arguments, const CommonOptions& options) {
 
 int main(int argc, char** argv) {
   using namespace grainlaw;
-  CommonOptions options;
   CommandLine line(
-      "grainlaw-calibrate",
+      "calibrate",
       "Runs the scenes of a campaign, fits mu(I) and phi(I) to chutes, with a and b per\n"
       "tilt, or mu(I, p*, Bo) and phi(I, p*, Bo) to shear boxes, predicts every chute\n"
       "from the fitted table, writes table, predictions, report.",
       "  grainlaw calibrate data/campaigns/quickstart/campaign.toml -o results\n"
       "  grainlaw calibrate CAMPAIGN.toml -o results --budget 10min\n"
       "  grainlaw calibrate CAMPAIGN.toml -o results --list | parallel\n"
-      "  grainlaw calibrate CAMPAIGN.toml -o results --from results/runs",
-      options);
+      "  grainlaw calibrate CAMPAIGN.toml -o results --from results/runs");
   Arguments arguments;
   line.option("CAMPAIGN.toml", arguments.campaign, "the campaign");
   line.option("-o,--output", arguments.output, "folder for results (default: calibration-report)");
@@ -406,6 +355,6 @@ int main(int argc, char** argv) {
   line.duration("--max-wall", arguments.max_wall, "stop with checkpoints after this wall time");
   line.duration("--budget", arguments.budget, "choose runs that tell most in this wall time");
   line.threads("runs at once, one process each (default: cores)", 0);
-  if (const auto code = line.parse(argc, argv)) return *code;
-  return run_program("grainlaw calibrate", [&] { return calibrate(arguments, options); });
+  return line.run(
+      argc, argv, [&](const CommonOptions& options) { return calibrate(arguments, options); });
 }

@@ -23,7 +23,7 @@ using std::chrono::steady_clock;
 /// Adds what a stage took to the costs of a report, when it ends.
 class StageClock {
  public:
-  StageClock(report::Report& report, std::string stage)
+  StageClock(report::ReportHead& report, std::string stage)
       : report_(report), stage_(std::move(stage)) {}
   ~StageClock() {
     const std::chrono::duration<double> passed = steady_clock::now() - start_;
@@ -33,7 +33,7 @@ class StageClock {
   StageClock& operator=(const StageClock&) = delete;
 
  private:
-  report::Report& report_;
+  report::ReportHead& report_;
   std::string stage_;
   steady_clock::time_point start_ = steady_clock::now();
 };
@@ -127,12 +127,11 @@ void record_checks(continuum::RheologyTable& table,
   }
 }
 
-/// The runs of the series, in their order. No law is fitted, no flow predicted.
-void study_series(report::Report& report,
+/// The runs of the series, in their order.
+void study_series(report::SeriesReport& report,
                   const io::Campaign& campaign,
                   const CampaignData& data,
                   const std::optional<Reference>& reference) {
-  report::SeriesReport result;
   std::vector<calibration::SeriesRun> runs;
   for (const io::ChuteSeries& series : campaign.series) {
     for (const io::SceneFile& file : series.scenes) {
@@ -140,18 +139,25 @@ void study_series(report::Report& report,
       if (found == data.runs.end()) continue;
       const dem::LocalData& run = found->data;
       runs.push_back({series.name, &run});
-      if (run.lifetimes) result.curves.push_back({run.name, series.name, *run.lifetimes});
+      if (run.lifetimes) report.curves.push_back({run.name, series.name, *run.lifetimes});
     }
   }
   constexpr std::size_t touching = 0;  // the smallest d_c
   const continuum::RheologyTable* law = reference ? &reference->table : nullptr;
-  if (reference) result.law_name = reference->name;
-  result.contacts = calibration::contact_series(runs, touching, {}, law);
+  if (reference) report.law_name = reference->name;
+  report.contacts = calibration::contact_series(runs, touching, {}, law);
   const auto attracts = [](const calibration::SeriesRun& entry) {
     return entry.run->conditions.attraction > 0.0;
   };
-  if (std::ranges::any_of(runs, attracts)) result.cohesion = calibration::cohesion_series(runs);
-  report.series = std::move(result);
+  if (std::ranges::any_of(runs, attracts)) report.cohesion = calibration::cohesion_series(runs);
+}
+
+void begin(report::ReportHead& report, const io::Campaign& campaign, CampaignData& data) {
+  report.title = campaign.title;
+  report.command = "grainlaw calibrate " + campaign.path.filename().string();
+  report.machine = machine();
+  report.warnings = std::move(data.warnings);
+  report.costs = std::move(data.costs);
 }
 
 }  // namespace
@@ -170,15 +176,7 @@ report::Report evaluate(const io::Campaign& campaign,
                         const fs::path& directory,
                         const std::optional<Reference>& reference) {
   report::Report report;
-  report.title = campaign.title;
-  report.machine = machine();
-  report.warnings = std::move(data.warnings);
-  report.costs = std::move(data.costs);
-  if (!campaign.series.empty()) {
-    const StageClock clock(report, "fit");
-    study_series(report, campaign, data, reference);
-    return report;
-  }
+  begin(report, campaign, data);
   const bool boxes = !campaign.shear_boxes.empty();
   {
     const StageClock clock(report, "fit");
@@ -201,6 +199,16 @@ report::Report evaluate(const io::Campaign& campaign,
   }
   report.seeds = seed_scatter(data);
   record_checks(report.table, report.runs);
+  return report;
+}
+
+report::SeriesReport evaluate_series(const io::Campaign& campaign,
+                                     CampaignData data,
+                                     const std::optional<Reference>& reference) {
+  report::SeriesReport report;
+  begin(report, campaign, data);
+  const StageClock clock(report, "fit");
+  study_series(report, campaign, data, reference);
   return report;
 }
 

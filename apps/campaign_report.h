@@ -28,4 +28,9 @@ report::Report evaluate(const io::Campaign& campaign,
                         const std::filesystem::path& directory,
                         const std::optional<Reference>& reference = {});
 
+/// The same of a campaign of series, to which no law is fitted.
+report::SeriesReport evaluate_series(const io::Campaign& campaign,
+                                     CampaignData data,
+                                     const std::optional<Reference>& reference = {});
+
 }  // namespace grainlaw

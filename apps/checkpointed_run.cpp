@@ -253,7 +253,9 @@ SceneRun run_scene(const io::SceneFile& file,
   run.data = run_engine(file, options, keeper);
   if (trajectory) trajectory->finish();
   run.grain_steps_per_second = pace.grain_steps_per_second();
-  write_data(run, file, output, keeper);
+  // One that was stopped before it moved has nothing newer than the data of before.
+  const bool moved = !run.data.frames.frames.empty();
+  if (moved || !run.resumed || !fs::exists(output)) write_data(run, file, output, keeper);
   if (run.stopped) require_checkpoint(keeper, output);
   if (!run.stopped) io::remove_checkpoints(output);
   return run;

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <thread>
 
+#include "apps/program.h"
+
 namespace grainlaw {
 namespace {
 
@@ -30,16 +32,17 @@ std::optional<double> duration_seconds(std::string_view text) {
 }
 
 struct CommandLine::Parser {
+  std::string verb;
   CLI::App app;
-  CommonOptions& common;
+  CommonOptions common{};
 };
 
-CommandLine::CommandLine(const std::string& program,
+CommandLine::CommandLine(const std::string& verb,
                          const std::string& description,
-                         const std::string& example,
-                         CommonOptions& common)
-    : parser_(new Parser{CLI::App(description, program), common}) {
+                         const std::string& example)
+    : parser_(new Parser{verb, CLI::App(description, "grainlaw-" + verb)}) {
   CLI::App& app = parser_->app;
+  CommonOptions& common = parser_->common;
   app.footer("Example:\n" + example +
              "\n\nExit codes: 0 answered, 1 bad input, 2 no steady state or refused step,\n"
              "            3 disk or memory, 4 stopped");
@@ -107,17 +110,20 @@ void CommandLine::threads(const std::string& help, int otherwise) {
   parser_->common.threads = otherwise;
 }
 
-std::optional<int> CommandLine::parse(int argc, char** argv) {
+int CommandLine::run(int argc,
+                     char** argv,
+                     const std::function<ExitCode(const CommonOptions&)>& body) {
   try {
     parser_->app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return parser_->app.exit(error) == 0 ? static_cast<int>(ExitCode::answered)
                                          : static_cast<int>(ExitCode::bad_input);
   }
-  if (parser_->common.threads == 0) {
-    parser_->common.threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  CommonOptions& common = parser_->common;
+  if (common.threads == 0) {
+    common.threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   }
-  return std::nullopt;
+  return run_program("grainlaw " + parser_->verb, [&] { return body(common); });
 }
 
 }  // namespace grainlaw

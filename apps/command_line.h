@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -22,13 +23,10 @@ struct CommonOptions {
 /// else or not above 0.
 std::optional<double> duration_seconds(std::string_view text);
 
-/// The command line of one program.
+/// The command line of `grainlaw VERB`.
 class CommandLine {
  public:
-  CommandLine(const std::string& program,
-              const std::string& description,
-              const std::string& example,
-              CommonOptions& common);
+  CommandLine(const std::string& verb, const std::string& description, const std::string& example);
   ~CommandLine();
   CommandLine(const CommandLine&) = delete;
   CommandLine& operator=(const CommandLine&) = delete;
@@ -52,8 +50,9 @@ class CommandLine {
   /// What --threads means here and how many they are unless said otherwise.
   void threads(const std::string& help, int otherwise);
 
-  /// Empty: go on. Otherwise the program ends with this code (help shown, or a usage error).
-  std::optional<int> parse(int argc, char** argv);
+  /// Reads the arguments and runs the body under run_program; not where help was asked for or the
+  /// usage is wrong. Returns the exit code.
+  int run(int argc, char** argv, const std::function<ExitCode(const CommonOptions&)>& body);
 
  private:
   struct Parser;

@@ -277,14 +277,12 @@ ExitCode compare(const Arguments& arguments, const CommonOptions& options) {
 
 int main(int argc, char** argv) {
   using namespace grainlaw;
-  CommonOptions options;
-  CommandLine line("grainlaw-compare",
+  CommandLine line("compare",
                    "Holds DEM runs of any flow against one or more tables and reports the\n"
                    "differences: chutes, plane shear and body-force boxes against predictions of\n"
                    "their scenes, simple shear and ring cells against the law at their states.",
                    "  grainlaw compare results/runs/*.h5 -t results/table.toml -o comparison\n"
-                   "  grainlaw compare box.h5 walls.h5 -t a.toml b.toml --fit-nonlocal",
-                   options);
+                   "  grainlaw compare box.h5 walls.h5 -t a.toml b.toml --fit-nonlocal");
   Arguments arguments;
   line.list("RUN.h5", arguments.runs, "runs, or import files (.toml) of others");
   line.option_list("-t,--table", arguments.tables, "rheology tables", true);
@@ -292,6 +290,6 @@ int main(int argc, char** argv) {
       "-o,--output", arguments.output, "folder for the report (default: comparison-report)");
   line.number("--nonlocal", arguments.nonlocal, "predict bands with this amplitude A too");
   line.flag("--fit-nonlocal", arguments.fit_nonlocal, "fit A to the first band among the runs");
-  if (const auto code = line.parse(argc, argv)) return *code;
-  return run_program("grainlaw compare", [&] { return compare(arguments, options); });
+  return line.run(
+      argc, argv, [&](const CommonOptions& options) { return compare(arguments, options); });
 }

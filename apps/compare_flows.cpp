@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "apps/compare_cases.h"
+#include "calibration/box_points.h"
 #include "calibration/fit_summary.h"
 #include "continuum/band_error.h"
 
@@ -40,9 +41,10 @@ SampleKind kind_of(const io::RunRecord& record,
 std::vector<StatePoint> states_of(const dem::LocalData& data,
                                   const std::optional<calibration::RingBand>& ring) {
   if (!data.window.steady) return {};
-  if (is_band(data)) return calibration::band_states(data);
   std::vector<StatePoint> states;
-  if (ring) {
+  if (is_band(data) && !data.rows.empty()) {
+    states = calibration::profile_points(data).points;
+  } else if (ring) {
     for (const calibration::RingBandRow& row : ring->rows) {
       states.push_back(row.state);
       states.back().name =

@@ -159,8 +159,7 @@ ExitCode run(Arguments arguments, const CommonOptions& options) {
   trajectory_interval(arguments);
   require_writable(output);  // now, not after a long run
   if (!arguments.plot.empty()) require_picture(arguments);
-  catch_stop_signals();
-  if (arguments.max_wall > 0.0) stop_after(arguments.max_wall);
+  catch_stop_signals(arguments.max_wall);
   const SceneRun result = run_with_progress(file, arguments, options);
   print(summarise(result, output), options);
   if (!arguments.plot.empty()) plot_if_measured(result.data, arguments.plot);
@@ -187,14 +186,12 @@ ExitCode run(Arguments arguments, const CommonOptions& options) {
 
 int main(int argc, char** argv) {
   using namespace grainlaw;
-  CommonOptions options;
-  CommandLine line("grainlaw-dem",
+  CommandLine line("dem",
                    "Runs one DEM scene and writes local data with standard errors. Checkpoints\n"
                    "are kept beside them until the run is finished.",
                    "  grainlaw dem data/scenes/chute.toml -o chute.h5\n"
                    "  grainlaw dem data/scenes/chute.toml -o chute.h5 --max-wall 2h --resume\n"
-                   "  grainlaw dem chute.h5 --reduce -o small.h5",
-                   options);
+                   "  grainlaw dem chute.h5 --reduce -o small.h5");
   Arguments arguments;
   line.required("SCENE.toml", arguments.scene, "the scene; with --reduce a finished run (.h5)");
   line.flag("--allow-step", arguments.allow_step, "accept a time step above the stability limit");
@@ -211,6 +208,6 @@ int main(int argc, char** argv) {
   line.option("--export", arguments.export_format, "xyz: as extended XYZ too, for OVITO");
   line.option("--plot", arguments.plot, "draw the profiles too, as FILE.svg or FILE.png");
   line.threads("of the engine (default: 1)", 1);
-  if (const auto code = line.parse(argc, argv)) return *code;
-  return run_program("grainlaw dem", [&] { return run(arguments, options); });
+  return line.run(
+      argc, argv, [&](const CommonOptions& options) { return run(arguments, options); });
 }

@@ -288,12 +288,11 @@ ExitCode predict(const Arguments& arguments, const CommonOptions& options) {
 
 int main(int argc, char** argv) {
   using namespace grainlaw;
-  CommonOptions options;
-  CommandLine line("grainlaw-predict",
-                   "Predicts a chute flow or a shear band from a fitted or published table.\n"
-                   "Needs no DEM.",
-                   "  grainlaw predict data/cases/chute.toml -t data/tables/shi2020_mu_p_0.50.toml",
-                   options);
+  CommandLine line(
+      "predict",
+      "Predicts a chute flow or a shear band from a fitted or published table.\n"
+      "Needs no DEM.",
+      "  grainlaw predict data/cases/chute.toml -t data/tables/shi2020_mu_p_0.50.toml");
   Arguments arguments;
   line.required("CASE.toml", arguments.question, "the question");
   line.option("-t,--table", arguments.table, "rheology table", true);
@@ -301,6 +300,6 @@ int main(int argc, char** argv) {
   line.flag("--certificate",
             arguments.certificate,
             "where the law is well-posed in 2D and 3D");
-  if (const auto code = line.parse(argc, argv)) return *code;
-  return run_program("grainlaw predict", [&] { return predict(arguments, options); });
+  return line.run(
+      argc, argv, [&](const CommonOptions& options) { return predict(arguments, options); });
 }

@@ -28,7 +28,7 @@ std::atomic<bool> stop_flag = false;  // written by a signal, read by worker thr
 static_assert(std::atomic<bool>::is_always_lock_free);
 std::atomic<steady_clock::time_point> stop_time = steady_clock::time_point::max();
 
-int fail(const char* program, ExitCode code, const char* message) {
+int fail(const std::string& program, ExitCode code, const char* message) {
   // Input errors carry file:line:column first, as compilers do, so that editors can jump there.
   say(code == ExitCode::bad_input ? std::string(message) : fmt::format("{}: {}", program, message));
   return static_cast<int>(code);
@@ -36,7 +36,7 @@ int fail(const char* program, ExitCode code, const char* message) {
 
 }  // namespace
 
-int run_program(const char* name, const std::function<ExitCode()>& body) {
+int run_program(const std::string& name, const std::function<ExitCode()>& body) {
   try {
     const auto code = static_cast<int>(body());
     if (std::fflush(stdout) != 0) return fail(name, ExitCode::resource, "cannot write to stdout");
@@ -61,11 +61,12 @@ void say(std::string_view line) {
   std::fputs(text.c_str(), stderr);
 }
 
-void catch_stop_signals() {
+void catch_stop_signals(double max_wall) {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     std::signal(signal, [](int) { stop_flag = true; });
   }
   std::signal(SIGXFSZ, SIG_IGN);
+  if (max_wall > 0.0) stop_after(max_wall);
 }
 
 void stop_after(double seconds) {

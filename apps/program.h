@@ -11,16 +11,17 @@ namespace grainlaw {
 
 /// Runs the body of a program and turns every exception into one message on stderr and an exit
 /// code; no exception and no stack trace ever reaches the person.
-int run_program(const char* name, const std::function<ExitCode()>& body);
+int run_program(const std::string& name, const std::function<ExitCode()>& body);
 
 /// Writes a line to stderr; a closed or full stderr is no reason to end a run.
 void say(std::string_view line);
 
 /// From here on SIGINT, SIGTERM and SIGHUP set a flag instead of ending the process, and a limit on
-/// the size of files makes writing fail instead.
-void catch_stop_signals();
+/// the size of files makes writing fail instead. The flag is also set after this many seconds
+/// (--max-wall); 0: never.
+void catch_stop_signals(double max_wall);
 
-/// Asks to stop this many seconds from now (--max-wall).
+/// Asks to stop this many seconds from now.
 void stop_after(double seconds);
 
 /// By a signal or because the time is up.

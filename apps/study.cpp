@@ -70,8 +70,7 @@ ExitCode study_errors(Arguments arguments, const CommonOptions& options) {
   if (arguments.output.empty()) arguments.output = file.path.stem().string() + "-study";
   const fs::path directory = arguments.output;
   const DirectoryLock lock(directory);
-  catch_stop_signals();
-  if (arguments.max_wall > 0.0) stop_after(arguments.max_wall);
+  catch_stop_signals(arguments.max_wall);
   const study::Context context{
       .directory = directory, .threads = options.threads, .quiet = options.quiet};
   try {
@@ -98,18 +97,16 @@ ExitCode study_errors(Arguments arguments, const CommonOptions& options) {
 
 int main(int argc, char** argv) {
   using namespace grainlaw;
-  CommonOptions options;
-  CommandLine line("grainlaw-study",
+  CommandLine line("study",
                    "Error against run time: sweeps time step, number of grains, base, averaging\n"
                    "time, kernel, solver or law, or goes the whole way, and says what to choose.",
                    "  grainlaw study data/studies/solver.toml -o solver-study\n"
-                   "  grainlaw study data/studies/time_step.toml -o step-study --check",
-                   options);
+                   "  grainlaw study data/studies/time_step.toml -o step-study --check");
   Arguments arguments;
   line.required("STUDY.toml", arguments.study, "the study");
   line.option("-o,--output", arguments.output, "folder for results (default: STUDY-study)");
   line.duration("--max-wall", arguments.max_wall, "stop with a checkpoint after this wall time");
   line.threads("of the DEM engine (default: 1)", 1);
-  if (const auto code = line.parse(argc, argv)) return *code;
-  return run_program("grainlaw study", [&] { return study_errors(arguments, options); });
+  return line.run(
+      argc, argv, [&](const CommonOptions& options) { return study_errors(arguments, options); });
 }

@@ -295,19 +295,4 @@ std::vector<BandPoint> band_points(const dem::LocalData& measured,
   return points;
 }
 
-std::vector<StatePoint> band_states(const dem::LocalData& measured) {
-  const bool box = measured.frames.periodic;
-  const MeasuredRows rows = box ? box_rows(measured, period(measured)) : layer_rows(measured);
-  std::vector<StatePoint> states;
-  for (const std::size_t i : independent_rows(rows, 2.0 * measured.frames.kernel.width)) {
-    const LocalRow& row = rows.rows[i];
-    const dem::Estimate& I = row.inertial_number;
-    if (!(std::abs(I.value) > 3.0 * I.error)) continue;
-    const std::string z = std::to_string(row.z);
-    states.push_back(
-        state_of(row, measured.conditions, measured.name + " at " + z.substr(0, z.find('.') + 2)));
-  }
-  return states;
-}
-
 }  // namespace grainlaw::calibration

@@ -53,7 +53,4 @@ std::vector<BandPoint> band_points(const dem::LocalData& measured,
                                    const continuum::ShearBandCase& band,
                                    double predicted_height);
 
-/// States of the same rows, whatever their velocity; I below three standard errors is left out.
-std::vector<StatePoint> band_states(const dem::LocalData& measured);
-
 }  // namespace grainlaw::calibration

@@ -5,27 +5,17 @@
 #include <sstream>
 
 #include "calibration/observations.h"
+#include "calibration/state_comparison.h"
 #include "dem/statistics.h"
 
 namespace grainlaw::calibration {
 namespace {
 
-using dem::Estimate;
 using dem::FieldRow;
 using dem::LocalRow;
 
-Estimate magnitude(const Estimate& e) {
-  return {std::abs(e.value), e.error, e.effective_samples};
-}
-
 double bond_number(const dem::ChuteConditions& grains, double stress) {
   return grains.attraction / (stress * grains.grain_diameter * grains.grain_diameter);
-}
-
-/// Bo with the relative error of the stress.
-Estimate bond_number(const dem::ChuteConditions& grains, const Estimate& stress) {
-  const double Bo = bond_number(grains, stress.value);
-  return {Bo, Bo > 0.0 ? Bo * stress.error / stress.value : 0.0};
 }
 
 /// Fields of one row in every frame of the steady window.
@@ -66,17 +56,12 @@ double friction_fraction_correlation(const dem::LocalData& run, double z) {
 }
 
 StatePoint point_of(const dem::LocalData& run, const LocalRow& row) {
-  return {.name = run.name,
-          .inertial_number = magnitude(row.inertial_number),
-          .softness = row.softness,
-          .bond_number = bond_number(run.conditions, row.normal_stress),
-          .friction = magnitude(row.friction),
-          .volume_fraction = row.volume_fraction,
-          .correlation = friction_fraction_correlation(run, row.z),
-          .run = run.name,
-          .place = row.z,
-          .wall_seconds = run.summary.wall_seconds,
-          .unfit = {}};
+  StatePoint point = state_of(row, run.conditions, run.name);
+  point.correlation = friction_fraction_correlation(run, row.z);
+  point.run = run.name;
+  point.place = row.z;
+  point.wall_seconds = run.summary.wall_seconds;
+  return point;
 }
 
 /// Slope of the velocity profile of a box in each frame over the imposed one, less 1: a straight
@@ -130,10 +115,15 @@ void require_geometry(const dem::LocalData& run, bool right, const char* asked) 
                  (right ? "has no rows: nothing was averaged" : asked));
 }
 
-/// Walls of plane shear, where rows are layered; a periodic box has none.
-bool near_wall(const dem::LocalData& run, double z, double distance) {
-  if (run.frames.periodic) return false;
-  return z < run.rows.front().z + distance || z > run.rows.back().z - distance;
+/// Walls of plane shear, where rows are layered: z = 0 and the surface of the flow, which rows
+/// reach beyond as far as the kernel. A periodic box has none.
+bool near_wall(const dem::LocalData& run, double surface, double z, double distance) {
+  return !run.frames.periodic && (z < distance || z > surface - distance);
+}
+
+double surface_of(const dem::LocalData& run) {
+  const std::vector<LocalRow> rows = measured_rows(run).rows;
+  return rows.empty() ? 0.0 : rows.back().z + 0.5 * run.frames.row_width();
 }
 
 bool flows(const LocalRow& row) {
@@ -174,11 +164,12 @@ ProfilePoints profile_points(const dem::LocalData& run) {
   const double spacing = 2.0 * run.frames.kernel.width;
   const double rounding = 1e-9 * spacing;
   const double period = static_cast<double>(run.rows.size()) * run.frames.row_width();
+  const double surface = surface_of(run);
   int close = 0, wall = 0, still = 0;
   std::optional<double> first, last;
   for (const LocalRow& row : run.rows) {
     const bool wraps = run.frames.periodic && first && *first + period - row.z < spacing - rounding;
-    if (near_wall(run, row.z, spacing)) {
+    if (near_wall(run, surface, row.z, spacing - rounding)) {
       ++wall;
     } else if (!flows(row)) {
       ++still;

@@ -67,7 +67,7 @@ class FlowRecord {
   FrameSampler sampler_;
   std::optional<Ring> ring_;
   SteadyCriteria criteria_;
-  Assessment assessment_{.reason = "short: stopped before the flow started"};
+  Assessment assessment_;
   LocalData data_;
   std::vector<double> wall_at_frame_;
   double width_sum_ = 0.0;    ///< of the bins, over frames: those of a driven box breathe

@@ -23,30 +23,29 @@ Snapshot snapshot(const SimulationBase& simulation);
 
 /// A packing that has come to rest without cohesion, which would keep it as loose as it was made.
 /// Friction stays: without it a layer settles so densely (0.64) that it does not start to flow at
-/// tilts at which it could go on flowing. False from the observer stops it.
+/// tilts at which it could go on flowing. Throws PackingStopped.
 template <class Law>
 InitialState settled(const Scene& scene,
                      const Law& law,
                      const InitialState& packing,
-                     const RunOptions& options,
-                     const Stopwatch& clock,
-                     bool& go_on) {
+                     int threads,
+                     const KeepGoing& keep_going) {
   constexpr double longest = 60.0;      // [unit times]
   constexpr double slow_energy = 1e-4;  // per grain [m g d]
   std::optional<SimulationSetup> setup = settling_setup(scene, packing);
   if (!setup) return packing;
-  setup->threads = options.threads;
+  setup->threads = threads;
   Simulation simulation(ContactLaw{law.normal, Cohesionless{}, law.friction}, *setup, packing);
   const double unit = unit_time(scene);
   const double speed2 = scene.grains.diameter * scene.grains.diameter / (unit * unit);
   const double slow = slow_energy * scene.grains.mass * speed2 * grains(scene);
   const long chunk = std::max(1L, std::lround(unit / time_step(scene)));
   do {
-    for (long k = 0; k < chunk; ++k) simulation.step();
-    const Progress now{
-        .steps = simulation.steps(), .wall_seconds = clock.seconds(), .settling = true};
-    go_on = !options.observer || options.observer(now);
-  } while (go_on && simulation.kinetic_energy() > slow && simulation.time() < longest * unit);
+    for (long k = 0; k < chunk; ++k) {
+      stop_unless(keep_going);
+      simulation.step();
+    }
+  } while (simulation.kinetic_energy() > slow && simulation.time() < longest * unit);
   return present_state(simulation);
 }
 
@@ -82,15 +81,14 @@ class FlowRun {
   }
 
   LocalData run() {
-    if (!go_on_ && options_.save) options_.save({});  // stopped while settling: begins anew
-    while (go_on_) {
+    for (bool go_on = true; go_on;) {
       const Stopwatch stepping;
       add_frame();
       record_.summary().stepping_seconds += stepping.seconds();
       const Assessment& now = record_.assess();
       const bool done = now.certain || simulation_.time() >= scene_.measurement.time_limit;
       const bool asked_to_stop = !report();
-      go_on_ = !done && !asked_to_stop;
+      go_on = !done && !asked_to_stop;
       const bool due = since_save_.seconds() >= options_.checkpoint_interval;
       if (options_.save && !done && (due || asked_to_stop)) save();
     }
@@ -106,9 +104,10 @@ class FlowRun {
   }
 
   InitialState start(const Scene& scene, const Law& law, const RunOptions& options) {
-    const InitialState packing = initial_state(scene);
+    const KeepGoing keep_going = [this] { return report_packing(); };
+    const InitialState packing = initial_state(scene, keep_going);
     if (goes_on(options)) return packing;  // what it holds is replaced
-    return moving(settled(scene, law, packing, options, clock_, go_on_), scene.start_profile);
+    return moving(settled(scene, law, packing, options.threads, keep_going), scene.start_profile);
   }
 
   static SimulationSetup setup(const Scene& scene,
@@ -168,7 +167,16 @@ class FlowRun {
   }
   void take_snapshot() {
     snapshots_ = due_snapshots();
-    if (options_.snapshot && go_on_) options_.snapshot(snapshot(simulation_));
+    if (options_.snapshot) options_.snapshot(snapshot(simulation_));
+  }
+
+  /// Before the flow, where a step or a sweep may take no time, or seconds: told now and then.
+  /// False: the observer wants the run to stop.
+  bool report_packing() {
+    constexpr double interval = 0.1;  // [s]
+    if (!options_.observer || clock_.seconds() < next_report_) return true;
+    next_report_ = clock_.seconds() + interval;
+    return options_.observer({.wall_seconds = clock_.seconds(), .settling = true});
   }
 
   /// False: the observer wants the run to stop.
@@ -199,7 +207,7 @@ class FlowRun {
   const RunOptions& options_;
   Stopwatch clock_;
   Stopwatch since_save_;
-  bool go_on_ = true;
+  double next_report_ = 0.0;  ///< [s]
   long snapshots_ = 0;
   InitialState start_;
   Law law_;

@@ -17,7 +17,7 @@ struct LifetimeAxis {
 
   static constexpr int per_octave = 8;
   static constexpr int octaves_below = 4;
-  static constexpr std::size_t bins = per_octave * (octaves_below + 18);
+  static constexpr std::size_t bins = std::size_t{per_octave} * (octaves_below + 18);
 
   double begin(std::size_t bin) const {
     return contact_time * std::exp2(static_cast<double>(bin) / per_octave - octaves_below);

@@ -65,7 +65,8 @@ std::vector<InitialGrain> scattered(const Region& region,
 std::vector<InitialGrain> layer(const BumpyBase& base,
                                 const Region& ground,
                                 const Grains& grains,
-                                std::uint64_t seed) {
+                                std::uint64_t seed,
+                                const KeepGoing& keep_going) {
   const double thickness = base.thickness * grains.diameter;
   // Well above the layer: a packing with a short period jams early.
   const Extent height{0.0, thickness + 4.0 * grains.largest()};
@@ -74,7 +75,7 @@ std::vector<InitialGrain> layer(const BumpyBase& base,
                                               volume_without_wall_gaps(slab, grains.diameter) /
                                               mean_volume(grains));
   std::vector<InitialGrain> cut = scattered(slab, diameters(grains, count, seed), seed);
-  come_apart(slab, cut);
+  come_apart(slab, cut, keep_going);
   std::erase_if(cut, [&](const InitialGrain& grain) { return grain.position.z >= thickness; });
   if (cut.empty()) {
     throw SceneError(
@@ -109,7 +110,8 @@ std::vector<double> evenly(const Extent& extent, double spacing, int multiple, d
 std::vector<InitialGrain> layer(const LatticeBase& base,
                                 const Region& ground,
                                 const Grains& grains,
-                                std::uint64_t) {
+                                std::uint64_t,
+                                const KeepGoing&) {
   const double d = grains.diameter;
   const double spacing = base.spacing * d;
   const std::vector<double> columns = evenly(ground.axes[0], spacing, 1, d);
@@ -132,16 +134,18 @@ std::vector<InitialGrain> layer(const LatticeBase& base,
   return lattice;
 }
 
-std::vector<InitialGrain> layer(const FlatBase&, const Region&, const Grains&, std::uint64_t) {
+std::vector<InitialGrain> layer(
+    const FlatBase&, const Region&, const Grains&, std::uint64_t, const KeepGoing&) {
   return {};
 }
 
 std::vector<InitialGrain> layer(const Base& base,
                                 const Region& ground,
                                 const Grains& grains,
-                                std::uint64_t seed) {
-  return std::visit(
-      [&](const auto& b) { return layer(b, ground, grains, seed_for(Purpose::base, seed)); }, base);
+                                std::uint64_t seed,
+                                const KeepGoing& keep_going) {
+  const std::uint64_t own = seed_for(Purpose::base, seed);
+  return std::visit([&](const auto& b) { return layer(b, ground, grains, own, keep_going); }, base);
 }
 
 /// How far the surface of a flowing grain may reach below z = 0 into the hollows of the base, so
@@ -168,10 +172,11 @@ std::vector<InitialGrain> fill(const Region& ground,
                                const Extent& walls,
                                std::span<const double> diameters,
                                std::span<const InitialGrain> glued,
-                               std::uint64_t seed) {
+                               std::uint64_t seed,
+                               const KeepGoing& keep_going) {
   std::vector<InitialGrain> grains = scattered(with_height(ground, heights), diameters, seed);
   grains.insert(grains.end(), glued.begin(), glued.end());
-  come_apart(with_height(ground, walls), grains);
+  come_apart(with_height(ground, walls), grains, keep_going);
   return grains;
 }
 
@@ -179,11 +184,13 @@ std::vector<InitialGrain> fill(const Region& ground,
 std::vector<InitialGrain> column(const Region& ground,
                                  const Scene& scene,
                                  std::span<const InitialGrain> base,
-                                 double depth_below) {
+                                 double depth_below,
+                                 const KeepGoing& keep_going) {
   const std::vector<double> sizes = flowing_diameters(scene);
   // The ground is 1 high: its volume is its area.
   const double height = total_volume(sizes) / (nominal_packing * ground.volume());
-  return fill(ground, {0.0, height}, {-depth_below, infinity, false}, sizes, base, scene.seed);
+  return fill(
+      ground, {0.0, height}, {-depth_below, infinity, false}, sizes, base, scene.seed, keep_going);
 }
 
 /// The ground plane of a geometry, 1 high.
@@ -225,19 +232,25 @@ Box box(const SplitBottom& cell, double) {
   return sector;
 }
 
-std::vector<InitialGrain> packed(const Chute& chute, const Box&, const Scene& scene) {
+std::vector<InitialGrain> packed(const Chute& chute,
+                                 const Box&,
+                                 const Scene& scene,
+                                 const KeepGoing& keep_going) {
   const Region plane = ground(chute);
-  const auto base = layer(chute.base, plane, scene.grains, scene.seed);
-  return column(plane, scene, base, hollows(chute.base, scene.grains));
+  const auto base = layer(chute.base, plane, scene.grains, scene.seed, keep_going);
+  return column(plane, scene, base, hollows(chute.base, scene.grains), keep_going);
 }
 
-std::vector<InitialGrain> packed(const SplitBottom& cell, const Box&, const Scene& scene) {
+std::vector<InitialGrain> packed(const SplitBottom& cell,
+                                 const Box&,
+                                 const Scene& scene,
+                                 const KeepGoing& keep_going) {
   const Region sector = ground(cell);
   const Base recipe =
       BumpyBase{.thickness = cell.base_thickness, .packing_fraction = cell.base_packing_fraction};
-  auto base = layer(recipe, sector, scene.grains, scene.seed);
+  auto base = layer(recipe, sector, scene.grains, scene.seed, keep_going);
   for (InitialGrain& grain : base) grain.body = glued_body(cell, grain.position);
-  return column(sector, scene, base, hollows(recipe, scene.grains));
+  return column(sector, scene, base, hollows(recipe, scene.grains), keep_going);
 }
 
 /// The layer turned upside down: its z = 0 becomes `height`.
@@ -249,16 +262,21 @@ void hang(std::vector<InitialGrain>& wall, double height, double velocity) {
   }
 }
 
-std::vector<InitialGrain> packed(const PlaneShear& shear, const Box&, const Scene& scene) {
+std::vector<InitialGrain> packed(const PlaneShear& shear,
+                                 const Box&,
+                                 const Scene& scene,
+                                 const KeepGoing& keep_going) {
   const Region plane = ground(shear);
   const std::vector<double> sizes = flowing_diameters(scene);
   const double gap = total_volume(sizes) / (shear.volume_fraction * plane.volume());
-  auto glued = layer(shear.wall, plane, scene.grains, scene.seed);
-  auto upper = layer(shear.wall, plane, scene.grains, seed_for(Purpose::upper_wall, scene.seed));
+  auto glued = layer(shear.wall, plane, scene.grains, scene.seed, keep_going);
+  auto upper =
+      layer(shear.wall, plane, scene.grains, seed_for(Purpose::upper_wall, scene.seed), keep_going);
   hang(upper, gap, shear.velocity);
   glued.insert(glued.end(), upper.begin(), upper.end());
   const double below = hollows(shear.wall, scene.grains);
-  auto all = fill(plane, {0.0, gap}, {-below, gap + below, false}, sizes, glued, scene.seed);
+  auto all =
+      fill(plane, {0.0, gap}, {-below, gap + below, false}, sizes, glued, scene.seed, keep_going);
   for (InitialGrain& grain : all) {
     if (grain.body == Body::none) grain.velocity.x = shear.velocity * grain.position.z / gap;
   }
@@ -266,19 +284,27 @@ std::vector<InitialGrain> packed(const PlaneShear& shear, const Box&, const Scen
 }
 
 /// A packing that fills a box periodic in all directions.
-std::vector<InitialGrain> packed_box(const Box& box, const Scene& scene) {
+std::vector<InitialGrain> packed_box(const Box& box,
+                                     const Scene& scene,
+                                     const KeepGoing& keep_going) {
   const Region region = region_of(box);
   auto grains = scattered(region, flowing_diameters(scene), scene.seed);
-  come_apart(region, grains);
+  come_apart(region, grains, keep_going);
   return grains;
 }
 
-std::vector<InitialGrain> packed(const BodyForceBox&, const Box& box, const Scene& scene) {
-  return packed_box(box, scene);
+std::vector<InitialGrain> packed(const BodyForceBox&,
+                                 const Box& box,
+                                 const Scene& scene,
+                                 const KeepGoing& keep_going) {
+  return packed_box(box, scene, keep_going);
 }
 
-std::vector<InitialGrain> packed(const SimpleShear& shear, const Box& box, const Scene& scene) {
-  auto grains = packed_box(box, scene);
+std::vector<InitialGrain> packed(const SimpleShear& shear,
+                                 const Box& box,
+                                 const Scene& scene,
+                                 const KeepGoing& keep_going) {
+  auto grains = packed_box(box, scene, keep_going);
   for (InitialGrain& grain : grains) {
     grain.velocity.x = shear.shear_rate * (grain.position.y - 0.5 * box.period.y);
   }
@@ -336,15 +362,16 @@ std::vector<double> diameters(const Grains& grains, std::size_t count, std::uint
   return result;
 }
 
-InitialState initial_state(const Scene& scene) {
+InitialState initial_state(const Scene& scene, const KeepGoing& keep_going) {
   const double solid =
       scene.start.empty() ? total_volume(flowing_diameters(scene)) : mobile_volume(scene.start);
   return std::visit(
       [&](const auto& geometry) {
         const Box around = box(geometry, solid);
-        return InitialState{
-            .box = around,
-            .grains = scene.start.empty() ? packed(geometry, around, scene) : given(scene, around)};
+        return InitialState{.box = around,
+                            .grains = scene.start.empty()
+                                          ? packed(geometry, around, scene, keep_going)
+                                          : given(scene, around)};
       },
       scene.geometry);
 }

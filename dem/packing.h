@@ -16,7 +16,8 @@ std::vector<double> diameters(const Grains& grains, std::size_t count, std::uint
 
 /// Where the grains of a scene start: the given start, or a random packing made for the geometry in
 /// which no mobile grain overlaps another (to rounding), mobile grains first.
-/// Equal scenes give equal states. Throws SceneError when a packing is too dense to come apart.
+/// Equal scenes give equal states. Throws SceneError when a packing is too dense to come apart, and
+/// PackingStopped.
 ///
 /// Chute: base below z = 0; the grains above it at nominal_packing with an open top, all at rest.
 ///   Sidewalls, if any, at y = 0 and y = width.
@@ -30,7 +31,7 @@ std::vector<double> diameters(const Grains& grains, std::size_t count, std::uint
 /// A given start is taken as it is, in its order, positions wrapped into the periods. Its frozen
 /// grains are the base; those of a PlaneShear above the middle of all grains, and those of a
 /// SplitBottom outside the split radius, are the mover.
-InitialState initial_state(const Scene& scene);
+InitialState initial_state(const Scene& scene, const KeepGoing& keep_going = {});
 
 /// The state with its free grains moving as the profile says, linear between its points and
 /// constant beyond them, and spinning with half the shear rate, as grains of a steady flow do in

@@ -249,13 +249,17 @@ std::vector<Vec3> scatter(const Region& region, std::size_t count, std::uint64_t
   return points;
 }
 
-void come_apart(const Region& region, std::vector<InitialGrain>& grains) {
+void come_apart(const Region& region,
+                std::vector<InitialGrain>& grains,
+                const KeepGoing& keep_going) {
   constexpr int most_sweeps = 20000;
   if (grains.empty()) return;
   Relaxation relaxation(region, grains);
   double overlap = relaxation.sweep();
-  for (int sweep = 1; overlap > margin && sweep < most_sweeps; ++sweep)
+  for (int sweep = 1; overlap > margin && sweep < most_sweeps; ++sweep) {
+    stop_unless(keep_going);
     overlap = relaxation.sweep();
+  }
   if (overlap > margin) {
     throw SceneError(fmt::format("{} grains still overlap by {:.2g} of their diameter after {} "
                                  "sweeps, packed too densely; lower the volume fraction",

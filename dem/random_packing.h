@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -10,6 +11,17 @@
 #include "dem/packing_region.h"
 
 namespace grainlaw::dem {
+
+/// Asked between two sweeps or steps of long work; false: it is to stop. Absent: it is not asked.
+using KeepGoing = std::function<bool()>;
+
+/// Grains are not where a flow could start: the work was told to stop.
+struct PackingStopped {};
+
+/// Throws PackingStopped.
+inline void stop_unless(const KeepGoing& keep_going) {
+  if (keep_going && !keep_going()) throw PackingStopped{};
+}
 
 /// Four numbers in (0, 1) that depend on nothing but the seed and k (Philox, counter based).
 std::array<double, 4> random_numbers(std::uint64_t seed, std::uint32_t k);
@@ -23,8 +35,10 @@ std::vector<Vec3> scatter(const Region& region, std::size_t count, std::uint64_t
 /// Moves mobile grains apart until none overlaps another (to rounding); the heavier of two moves
 /// less, a glued one not at all.
 /// Leaves the grains inside the region. Throws SceneError when they do not come apart, or when the
-/// region repeats after less than the reach of the largest grain.
-void come_apart(const Region& region, std::vector<InitialGrain>& grains);
+/// region repeats after less than the reach of the largest grain; PackingStopped.
+void come_apart(const Region& region,
+                std::vector<InitialGrain>& grains,
+                const KeepGoing& keep_going = {});
 
 /// Random positions of spheres in a box periodic in all directions, moved apart as above, in the
 /// order of the diameters. Equal seeds give equal packings. Equal spheres come apart up to a volume

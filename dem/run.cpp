@@ -37,6 +37,18 @@ double attraction(const Scene& scene) {
       scene.cohesion);
 }
 
+/// What is known of a run that was stopped before anything flowed.
+LocalData not_begun(const Scene& scene, double wall_seconds) {
+  LocalData data;
+  data.name = scene.name;
+  data.conditions = conditions(scene);
+  data.window.reason = "short: stopped before the flow started";
+  data.summary.time_step = time_step(scene);
+  data.summary.contact_time = shortest_contact_time(scene);
+  data.summary.wall_seconds = wall_seconds;
+  return data;
+}
+
 }  // namespace
 
 ChuteConditions conditions(const Scene& scene) {
@@ -100,7 +112,13 @@ Snapshot snapshot(const SimulationBase& simulation) {
 
 LocalData run(const Scene& scene, const RunOptions& options) {
   validate(scene);
-  return with_law(scene, [&](const auto& law) { return FlowRun{scene, law, options}.run(); });
+  const Stopwatch clock;
+  try {
+    return with_law(scene, [&](const auto& law) { return FlowRun{scene, law, options}.run(); });
+  } catch (const PackingStopped&) {
+    if (options.save) options.save(options.resume ? *options.resume : Checkpoint{});
+    return not_begun(scene, clock.seconds());
+  }
 }
 
 double measure_step_seconds(const Scene& scene) {

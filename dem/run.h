@@ -20,7 +20,8 @@ struct Progress {
   bool settling = false;       ///< packing and settling, before the flow starts
 };
 
-/// Called between frames; return false to stop the run after this frame (its data are kept).
+/// Called between frames; return false to stop the run after this frame (its data are kept). Called
+/// a few times a second while the grains are packed and settle; such a run stops at once.
 using Observer = std::function<bool(const Progress&)>;
 
 /// All grains at one time, in the order of their numbers.
@@ -34,7 +35,8 @@ struct RunOptions {
   Observer observer;
   int threads = 1;
   /// Takes a checkpoint: about every checkpoint_interval seconds of wall time, and when the run is
-  /// stopped by the observer. Absent: none is made.
+  /// stopped by the observer: an empty one, or the one it goes on from, where the flow has not
+  /// started. Absent: none is made.
   std::function<void(const Checkpoint&)> save;
   double checkpoint_interval = 60.0;  ///< [s]
   /// Takes the grains at the first sample after every multiple of snapshot_interval [time]; a run

@@ -99,7 +99,13 @@ inline double reciprocal(double a) {
 
 /// Lanes 0, 1, 2, ... as bits, and back.
 inline std::uint32_t bits(const PackMask& mask) {
-  return static_cast<std::uint32_t>(mask.__to_bitset().to_ulong());
+  auto word = static_cast<std::uint32_t>(mask.__to_bitset().to_ulong());
+#if defined(__AVX512F__)
+  // GCC 12 spills a mask as one byte and reads it back as a word, with three bytes of whatever was
+  // there (seen under the thread sanitizer): no mask register from here on.
+  asm("" : "+r"(word));
+#endif
+  return word;
 }
 inline PackMask mask_of(std::uint32_t bits) {
   return PackMask::__from_bitset(std::bitset<pack_width>(bits));
@@ -109,7 +115,7 @@ inline PackMask mask_of(std::uint32_t bits) {
 using Row4 = std::experimental::simd<double, std::experimental::simd_abi::deduce_t<double, 4>>;
 
 inline Row4 load_row4(const double* record) {
-  return Row4(record, std::experimental::vector_aligned);
+  return {record, std::experimental::vector_aligned};
 }
 inline void store(const Row4& row, double* record) {
   row.copy_to(record, std::experimental::vector_aligned);
@@ -147,7 +153,7 @@ struct Row8 {
 #if defined(__AVX512F__)
 [[gnu::always_inline]] inline void transpose(const __m512d (&in)[8], __m512d (&out)[8]) {
   __m512d t[8];
-  for (int k = 0; k < 4; ++k) {
+  for (std::size_t k = 0; k < 4; ++k) {
     t[2 * k] = _mm512_unpacklo_pd(in[2 * k], in[2 * k + 1]);
     t[2 * k + 1] = _mm512_unpackhi_pd(in[2 * k], in[2 * k + 1]);
   }

@@ -44,9 +44,7 @@ std::vector<double> read_tilts(Section& section,
                                std::string_view note) {
   const Key tilts{key, meaning, {"degrees"}, chute_tilts};
   auto values = section.find<std::vector<double>>(tilts, note).value_or(std::vector<double>{});
-  if (section.has(key) && values.empty()) {
-    section.problem(key, fmt::format("'{}' is empty: give at least one tilt", key));
-  }
+  refuse_empty(section, key, values);
   std::ranges::transform(values, values.begin(), radians);
   return values;
 }
@@ -110,12 +108,12 @@ ShearBoxes read_boxes(Section& section) {
       section,
       {"bond_number", "Bo: sets the strength of [contact.cohesion]; 0: without", {}, not_negative},
       "that of the scene");
-  boxes.strain = section.find<double>(
-      {"strain",
-       "to average over; the time limit is twice it, samples are 0.005 apart, frames 0.1",
-       {},
-       positive},
-      "the times of the scene");
+  boxes.strain = section.find<double>({"strain",
+                                       "to average over; the time limit is twice it, or 2 more, "
+                                       "samples are 0.005 apart, frames 0.1",
+                                       {},
+                                       positive},
+                                      "the times of the scene");
   return boxes;
 }
 
@@ -127,7 +125,8 @@ void read_series_keys(InputFile& in, Keys& keys) {
     ChuteSeries series;
     series.name = section.read<std::string>({"name", "of the series, for figures"});
     auto scenes = section.read<std::vector<std::string>>(
-        {"scenes", "chutes, relative to this file; their [lifetimes] are compared where they have them"});
+        {"scenes",
+         "chutes, relative to this file; their [lifetimes] are compared where they have them"});
     refuse_empty(section, "scenes", scenes);
     refuse_repeated(section, "scenes", scenes);
     keys.series_scenes.push_back(std::move(scenes));
@@ -252,8 +251,8 @@ void require_chute_of_series(const InputFile& in,
                              const std::string& section,
                              const SceneFile& file) {
   if (std::holds_alternative<dem::Chute>(file.scene.geometry)) return;
-  throw InputError(in.message(
-      section, "scenes", fmt::format("{}: a series takes chutes", file.path.string())));
+  throw InputError(
+      in.message(section, "scenes", fmt::format("{}: a series takes chutes", file.path.string())));
 }
 
 void read_series_scenes(const InputFile& in, const Keys& keys, Campaign& campaign) {

@@ -88,13 +88,20 @@ SceneFile reread(const SceneFile& file, const std::string& text, const std::stri
                   file.path.string()));
 }
 
+/// Enough to average over the wanted strain. The start takes 1 of a box, counted in whole frames of
+/// 0.1, and 8 frames are judged; of a later start at most half of all frames is cut. (See
+/// dem::assess.)
+double longest_strain(double wanted) {
+  return std::max(2.0 * wanted, wanted + 2.0);
+}
+
 std::vector<Override> strain_times(double strain, double rate, const Units& units) {
   const Unit time = units[dimension::time];
   const auto at = [&](double of_strain) { return number(of_strain / rate, time); };
   return {{"measurement", "sample_interval", at(0.005)},
           {"measurement", "frame_interval", at(0.1)},
           {"measurement", "averaging_time", at(strain)},
-          {"measurement", "time_limit", at(2.0 * strain)}};
+          {"measurement", "time_limit", at(longest_strain(strain))}};
 }
 
 /// What the text of a box has to say.

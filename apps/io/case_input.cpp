@@ -138,6 +138,8 @@ void read_tilts(Section& section, const Unit& time, continuum::TransientOptions&
       {"tilt_times", "the tilt changes at, ascending", time, positive}, "the tilt stays");
   const auto tilts = section.find<std::vector<double>>(
       {"tilts", "tilt from then on", {"degrees"}, between(-90.0, 90.0)}, "the tilt stays");
+  if (section.has("tilt_times") && !times) return;  // a wrong value: said already
+  if (section.has("tilts") && !tilts) return;
   const std::size_t count = times ? times->size() : 0;
   if (count != (tilts ? tilts->size() : 0)) {
     section.problem(tilts ? "tilts" : "tilt_times", "tilt_times and tilts must be equally long");

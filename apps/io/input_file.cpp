@@ -61,6 +61,7 @@ struct Found {
   }
   void problem(const TomlValue& at, std::string text) const {
     state.problems.push_back({at.place, std::move(text), std::string(key.meaning), section, {}});
+    state.refused.emplace(section, key.name);
   }
 };
 
@@ -253,7 +254,8 @@ std::vector<std::string> Section::present(const std::vector<std::string>& keys) 
 }
 
 void Section::problem(std::string_view key, std::string text, std::string hint) {
-  if (state_->listing) return;
+  // What stands in for a wrong value is nobody's mistake.
+  if (state_->listing || state_->refused.contains({name_, std::string(key)})) return;
   state_->problems.push_back(
       {state_->place(name_, key), std::move(text), std::move(hint), name_, {}});
 }

@@ -79,7 +79,8 @@ class Section {
   bool applies(bool condition) const;
   /// Gathers the problem that a key should be there.
   void report_missing(const Key& key);
-  /// Gathers a problem with a key, or with the section when the key is absent.
+  /// Gathers a problem with a key, or with the section when the key is absent. A key whose value
+  /// could not be taken has its problem already.
   void problem(std::string_view key, std::string text, std::string hint = {});
 
  private:

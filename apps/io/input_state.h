@@ -1,8 +1,10 @@
 #pragma once
 
 #include <filesystem>
+#include <set>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "apps/io/input_key.h"
@@ -36,6 +38,7 @@ struct InputState {
   bool listing = false;
   std::vector<SectionEntry> asked;
   std::vector<Problem> problems;
+  std::set<std::pair<std::string, std::string>> refused;  ///< section and key of a wrong value
 
   const TomlTable* table(std::string_view section) const;
   const TomlEntry* find(std::string_view section, std::string_view key) const;

@@ -7,9 +7,10 @@ using Kind = SweepAxis::Kind;
 
 void add_axis(Section& section, Kind kind, const Key& key, std::vector<SweepAxis>& axes) {
   const auto values = section.find<std::vector<double>>(key, "as in the rest of the file");
-  if (!values) return;
-  if (values->empty()) section.problem(key.name, "a list without values sweeps over nothing");
-  axes.push_back({kind, std::string(key.name), *values});
+  if (!section.has(key.name)) return;
+  axes.push_back({kind, std::string(key.name), values.value_or(std::vector<double>{})});
+  if (axes.back().values.empty())
+    section.problem(key.name, "a list without values sweeps over nothing");
 }
 
 void read_coefficients(Section& section, std::vector<SweepAxis>& axes) {
@@ -18,6 +19,8 @@ void read_coefficients(Section& section, std::vector<SweepAxis>& axes) {
   const auto values = section.find<NumberRows>(
       {"coefficient_values", "one list of values for each of them, in the units of the table"},
       "required with coefficients");
+  if (section.has("coefficients") && !names) return;  // a wrong value: said already
+  if (section.has("coefficient_values") && !values) return;
   const std::size_t count = names ? names->size() : 0;
   if (count != (values ? values->size() : 0)) {
     section.problem(names ? "coefficients" : "coefficient_values",
@@ -63,7 +66,8 @@ void read_sweep(InputFile& in, CaseFile& file) {
   if (units.name == "stiffness" && section.has("stiffness"))
     section.problem("stiffness", "the set \"stiffness\" fixes k_n: sweep in another set of units");
   read_coefficients(section, axes);
-  if (axes.empty()) section.problem("", "[sweep] names nothing to vary");
+  if (axes.empty() && !section.has("coefficients"))
+    section.problem("", "[sweep] names nothing to vary");
   if (file.question != Question::steady)
     section.problem("", "a sweep asks for steady flows: give answer = \"steady\"");
   for (SweepAxis& axis : axes)

@@ -104,7 +104,7 @@ TextTable open(const std::filesystem::path& path) {
 }
 
 void require_rows(const TextTable& table, const Lines& lines) {
-  if (table.blocks.empty()) lines.fail("no rows: a line of numbers for each height is expected");
+  if (table.blocks.empty()) lines.fail("no rows: a line of numbers for each is expected");
 }
 
 /// Puts a row into the block of its time.
@@ -117,11 +117,12 @@ void add(TextTable& table, TableRow row, double time) {
 void read_names(TextTable& table, const Lines& lines, std::span<const Word> words) {
   table.names_line = lines.number();
   for (const Word& word : words) {
+    const Place place{lines.number(), word.begin + 1, std::max<std::size_t>(word.text.size(), 1)};
     if (table.find(word.text)) {
-      table.fail({lines.number(), word.begin + 1, std::max<std::size_t>(word.text.size(), 1)},
-                 fmt::format("column '{}' is there twice", quotable(word.text)));
+      table.fail(place, fmt::format("column '{}' is there twice", quotable(word.text)));
     }
     table.names.emplace_back(word.text);
+    table.name_places.push_back(place);
   }
 }
 

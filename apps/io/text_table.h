@@ -30,11 +30,12 @@ struct TableBlock {
   std::vector<TableRow> rows;
 };
 
-/// Profiles written by another program: columns with names, rows in blocks of equal time.
+/// Numbers in a text of another program: columns with names, rows in blocks of equal time.
 struct TextTable {
   std::filesystem::path path;
   std::string text;
   std::vector<std::string> names;
+  std::vector<Place> name_places;  ///< of a CSV file
   std::size_t names_line = 1;
   std::vector<TableBlock> blocks;
 
@@ -48,7 +49,7 @@ struct TextTable {
                          std::string_view hint = {}) const;
 };
 
-/// Comment lines that begin with '#', a line of names, a line of numbers for each height, commas
+/// Comment lines that begin with '#', a line of names, a line of numbers for each row, commas
 /// between. With a column of that name, rows of equal `time` are a block.
 TextTable read_csv(const std::filesystem::path& path, std::string_view time = {});
 

@@ -114,6 +114,12 @@ Html common_definitions() {
                     "script and SVG; change the script and run gnuplot on it there."_html);
 }
 
+Html guide(const Html& definitions) {
+  return section("reading",
+                 "How to read this"_html,
+                 "<dl>"_html + definitions + common_definitions() + "</dl>\n"_html);
+}
+
 }  // namespace
 
 Html answer_section(const Report& report) {
@@ -128,12 +134,14 @@ Html answer_section(const Report& report) {
 Html reading_section(const Report& report) {
   const bool predicted = !report.runs.empty() || !report.flows.empty();
   Html definitions = state_definitions();
-  if (!report.runs.empty() || report.series) definitions += base_definitions();
+  if (!report.runs.empty()) definitions += base_definitions();
   if (predicted) definitions += error_definitions();
   if (!report.runs.empty()) definitions += balance_definition();
-  return section("reading",
-                 "How to read this"_html,
-                 "<dl>"_html + definitions + common_definitions() + "</dl>\n"_html);
+  return guide(definitions);
+}
+
+Html reading_section(const SeriesReport&) {
+  return guide(state_definitions() + base_definitions());
 }
 
 }  // namespace grainlaw::report

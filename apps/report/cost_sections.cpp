@@ -19,7 +19,7 @@ std::string time_taken(double seconds) {
   return seconds > 0.0 ? duration(seconds) : "–";
 }
 
-Table dem_table(const Report& report) {
+Table dem_table(const std::vector<RunComparison>& runs) {
   Table result{.caption = "DEM runs. Grain-steps count the flowing grains."_html,
                .head = {"Run"_html,
                         "Grains, flowing + base"_html,
@@ -30,7 +30,7 @@ Table dem_table(const Report& report) {
                         "Predicted in"_html},
                .rows = {},
                .text_columns = 1};
-  for (const RunComparison& run : report.runs) {
+  for (const RunComparison& run : runs) {
     const dem::RunSummary& cost = run.data.summary;
     result.rows.push_back({run_label(run),
                            text(count(cost.flowing_grains) + " + " + count(cost.base_grains)),
@@ -44,38 +44,38 @@ Table dem_table(const Report& report) {
 }
 
 /// Many DEM runs as one stage: a table of all would hide the others; report.json has each.
-std::vector<StageCost> stages(const Report& report) {
+std::vector<StageCost> stages(const std::vector<StageCost>& costs) {
   constexpr std::string_view dem = "DEM ";
   constexpr std::size_t few = 6;
   std::vector<StageCost> result;
   StageCost runs, longest;
   std::size_t number = 0;
-  for (const StageCost& cost : report.costs) {
+  for (const StageCost& cost : costs) {
     if (!cost.stage.starts_with(dem)) continue;
     ++number;
     runs.wall_seconds += cost.wall_seconds;
     runs.cpu_seconds += cost.cpu_seconds;
     if (cost.wall_seconds > longest.wall_seconds) longest = cost;
   }
-  if (number <= few) return report.costs;
+  if (number <= few) return costs;
   runs.stage = fmt::format("DEM, {} runs, sum", number);
   longest.stage = "longest of them: " + longest.stage.substr(dem.size());
   result = {runs, longest};
-  std::ranges::copy_if(report.costs, std::back_inserter(result), [&](const StageCost& cost) {
+  std::ranges::copy_if(costs, std::back_inserter(result), [&](const StageCost& cost) {
     return !cost.stage.starts_with(dem);
   });
   return result;
 }
 
-Table stage_table(const Report& report) {
+Table stage_table(const std::vector<StageCost>& costs) {
   Table result{.caption = "Stages."_html,
                .head = {"Stage"_html, "Wall time"_html},
                .rows = {},
                .text_columns = 1};
   const bool cpu =
-      std::ranges::any_of(report.costs, [](const StageCost& cost) { return cost.cpu_seconds > 0; });
+      std::ranges::any_of(costs, [](const StageCost& cost) { return cost.cpu_seconds > 0; });
   if (cpu) result.head.push_back("CPU time"_html);
-  for (const StageCost& cost : stages(report)) {
+  for (const StageCost& cost : stages(costs)) {
     result.rows.push_back({text(cost.stage), text(duration(cost.wall_seconds))});
     if (cpu) result.rows.back().push_back(text(time_taken(cost.cpu_seconds)));
   }
@@ -146,11 +146,11 @@ Html window_reasons(const Report& report) {
 
 }  // namespace
 
-Html cost_section(const Report& report) {
+Html cost_section(const ReportHead& report, const std::vector<RunComparison>& runs) {
   Html content;
   if (!report.machine.empty()) content += paragraph(text("Machine: " + report.machine + "."));
-  if (!report.costs.empty()) content += table(stage_table(report));
-  if (!report.runs.empty()) content += table(dem_table(report));
+  if (!report.costs.empty()) content += table(stage_table(report.costs));
+  if (!runs.empty()) content += table(dem_table(runs));
   return section("cost", "Run time"_html, content);
 }
 

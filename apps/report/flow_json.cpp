@@ -1,15 +1,9 @@
 #include "apps/report/flow_json.h"
 
-#include <nlohmann/json.hpp>
+#include "apps/report/json_parts.h"
 
 namespace grainlaw::report {
 namespace {
-
-using json = nlohmann::ordered_json;
-
-json estimate(const dem::Estimate& number) {
-  return {{"value", number.value}, {"error", number.error}};
-}
 
 json flags(const std::vector<continuum::RangeFlag>& all) {
   json result = json::array();
@@ -23,8 +17,8 @@ json flags(const std::vector<continuum::RangeFlag>& all) {
 }
 
 json residual(const dem::Estimate& measured, const calibration::LawResidual& r) {
-  return {{"measured", estimate(measured)},
-          {"law", estimate(r.law)},
+  return {{"measured", estimate_json(measured)},
+          {"law", estimate_json(r.law)},
           {"difference", r.difference},
           {"statistics", r.statistics},
           {"law_error", r.law_error},
@@ -36,9 +30,9 @@ json states(const std::vector<calibration::StateComparison>& all) {
   for (const calibration::StateComparison& state : all) {
     result.push_back(
         {{"name", state.point.name},
-         {"inertial_number", estimate(state.point.inertial_number)},
-         {"softness", estimate(state.point.softness)},
-         {"bond_number", estimate(state.point.bond_number)},
+         {"inertial_number", estimate_json(state.point.inertial_number)},
+         {"softness", estimate_json(state.point.softness)},
+         {"bond_number", estimate_json(state.point.bond_number)},
          {"friction", residual(state.point.friction, state.friction)},
          {"volume_fraction", residual(state.point.volume_fraction, state.volume_fraction)},
          {"condition_number", state.condition_number},
@@ -57,14 +51,14 @@ json budget(const calibration::ErrorBudget& part) {
 }
 
 json comparison(const calibration::BandComparison& c) {
-  return {{"velocity", estimate(c.profile.velocity)},
-          {"velocity_maximum", estimate(c.profile.velocity_maximum)},
-          {"volume_fraction", estimate(c.profile.volume_fraction)},
-          {"friction", estimate(c.profile.friction)},
+  return {{"velocity", estimate_json(c.profile.velocity)},
+          {"velocity_maximum", estimate_json(c.profile.velocity_maximum)},
+          {"volume_fraction", estimate_json(c.profile.volume_fraction)},
+          {"friction", estimate_json(c.profile.friction)},
           {"in_standard_errors", c.profile.in_standard_errors},
-          {"width", estimate(c.width)},
-          {"drive", estimate(c.drive)},
-          {"drive_difference", estimate(c.drive_difference)},
+          {"width", estimate_json(c.width)},
+          {"drive", estimate_json(c.drive)},
+          {"drive_difference", estimate_json(c.drive_difference)},
           {"height", c.height},
           {"no_slip_heights", c.no_slip ? json{c.no_slip->lower, c.no_slip->upper} : json()},
           {"budget", budget(c.budget)}};
@@ -115,8 +109,8 @@ json ring(const std::optional<calibration::RingBand>& found) {
   json rows = json::array();
   for (const calibration::RingBandRow& row : found->rows) {
     rows.push_back({{"z", row.z},
-                    {"centre", estimate(row.centre)},
-                    {"width", estimate(row.width)},
+                    {"centre", estimate_json(row.centre)},
+                    {"width", estimate_json(row.width)},
                     {"chi_squared", row.chi_squared},
                     {"cells", row.cells},
                     {"shear_rate", row.shear_rate},
@@ -129,11 +123,11 @@ json measured_rows(const dem::LocalData& data) {
   json rows = json::array();
   for (const dem::LocalRow& row : data.rows) {
     rows.push_back({{"z", row.z},
-                    {"velocity", estimate(row.velocity)},
-                    {"volume_fraction", estimate(row.volume_fraction)},
-                    {"friction", estimate(row.friction)},
-                    {"inertial_number", estimate(row.inertial_number)},
-                    {"normal_stress", estimate(row.normal_stress)}});
+                    {"velocity", estimate_json(row.velocity)},
+                    {"volume_fraction", estimate_json(row.volume_fraction)},
+                    {"friction", estimate_json(row.friction)},
+                    {"inertial_number", estimate_json(row.inertial_number)},
+                    {"normal_stress", estimate_json(row.normal_stress)}});
   }
   return rows;
 }
@@ -143,7 +137,7 @@ json score(const Score& s) {
           {"flow", s.flow},
           {"quantity", s.quantity},
           {"kind", calibration::name(s.kind)},
-          {"difference", estimate(s.difference)},
+          {"difference", estimate_json(s.difference)},
           {"in_standard_errors", s.in_standard_errors},
           {"condition_number", s.condition_number},
           {"budget", s.budget ? budget(*s.budget) : json()},

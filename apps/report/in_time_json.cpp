@@ -1,26 +1,20 @@
 #include "apps/report/in_time_json.h"
 
-#include <nlohmann/json.hpp>
+#include "apps/report/json_parts.h"
 
 namespace grainlaw::report {
 namespace {
 
-using json = nlohmann::ordered_json;
-
-json estimate(const dem::Estimate& number) {
-  return {{"value", number.value}, {"error", number.error}};
-}
-
 json to_steady(const std::optional<calibration::TimeToSteady>& times) {
   if (!times) return nullptr;
-  return {{"measured", estimate(times->measured)},
-          {"predicted", estimate(times->predicted)},
+  return {{"measured", estimate_json(times->measured)},
+          {"predicted", estimate_json(times->predicted)},
           {"share", times->share}};
 }
 
 json stop(const std::optional<calibration::StoppingTime>& time) {
   if (!time) return nullptr;
-  return {{"measured", time->measured ? estimate(*time->measured) : json(nullptr)},
+  return {{"measured", time->measured ? estimate_json(*time->measured) : json(nullptr)},
           {"predicted", time->predicted ? json(*time->predicted) : json(nullptr)}};
 }
 

@@ -1,39 +1,22 @@
 #include "apps/report/material_json.h"
 
-#include <nlohmann/json.hpp>
-
+#include "apps/report/json_parts.h"
 #include "apps/report/law_curve.h"
 #include "apps/report/material_law.h"
 
 namespace grainlaw::report {
 namespace {
 
-using json = nlohmann::ordered_json;
-
-json estimate_json(const dem::Estimate& estimate) {
-  return {{"value", estimate.value}, {"error", estimate.error}};
-}
-
-template <class T, class Convert>
-json list_json(const std::vector<T>& values, Convert convert) {
-  json result = json::array();
-  for (const T& value : values) result.push_back(convert(value));
+json with_interval(const calibration::FittedCoefficient& c) {
+  json result = coefficient_json(c);
+  result["interval"] = {c.interval.lower, c.interval.upper};
+  result["by_profile"] = c.interval.by_profile;
   return result;
 }
 
-json coefficient_json(const calibration::FittedCoefficient& c) {
-  return {{"name", c.name},
-          {"value", c.value},
-          {"error", c.error},
-          {"at_bound", c.at_bound},
-          {"identifiable", c.identifiable},
-          {"interval", {c.interval.lower, c.interval.upper}},
-          {"by_profile", c.interval.by_profile}};
-}
-
 json summary_json(const calibration::FitSummary& fit) {
-  return {{"coefficients", list_json(fit.coefficients, coefficient_json)},
-          {"derived", list_json(fit.derived, coefficient_json)},
+  return {{"coefficients", list_json(fit.coefficients, with_interval)},
+          {"derived", list_json(fit.derived, with_interval)},
           {"correlation", fit.correlation},
           {"chi_squared", fit.chi_squared},
           {"data", fit.data},

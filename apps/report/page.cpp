@@ -8,7 +8,7 @@
 namespace grainlaw::report {
 namespace {
 
-Html head(const Report& report) {
+Html head(const ReportHead& report) {
   return {fmt::format(R"(<head>
 <meta charset="utf-8"/>
 <meta name="viewport" content="width=device-width, initial-scale=1"/>
@@ -21,7 +21,7 @@ Html head(const Report& report) {
                       style_sheet)};
 }
 
-Html made_by(const Report& report) {
+Html made_by(const ReportHead& report) {
   if (report.command.empty()) return {};
   return R"(<p class="made">Made by <code>)"_html + text(report.command) + "</code></p>\n"_html;
 }
@@ -38,8 +38,7 @@ bool followed_in_time(const Report& report) {
 
 /// What follows from runs of chutes is left out of a report of other things.
 std::vector<Part> parts_of(const Report& report, const Figures& figures, const Pictures& pictures) {
-  const bool other =
-      report.material || report.contact_friction || report.series || !report.flows.empty();
+  const bool other = report.material || report.contact_friction || !report.flows.empty();
   const bool chutes = !other || !report.runs.empty();
   std::vector<Part> parts;
   const auto add = [&](bool there, std::string_view id, std::string_view title, auto content) {
@@ -68,10 +67,7 @@ std::vector<Part> parts_of(const Report& report, const Figures& figures, const P
   });
   add(!report.tables.empty(), "scores", "Errors by kind", [&] { return score_section(report); });
   add(chutes, "bagnold", "Bagnold law", [&] { return bagnold_section(report); });
-  add(report.series.has_value(), "series", "Series", [&] {
-    return series_section(*report.series, figures.series, pictures);
-  });
-  add(report.table.has_friction && !report.series, "certificate", "Well-posedness", [&] {
+  add(report.table.has_friction, "certificate", "Well-posedness", [&] {
     return certificate_section(report);
   });
   add(!report.seeds.empty(), "seeds", "Seeds", [&] { return seed_section(report); });
@@ -82,10 +78,23 @@ std::vector<Part> parts_of(const Report& report, const Figures& figures, const P
   add(report.budget.has_value(), "budget", "Budget", [&] {
     return budget_section(*report.budget, figures.budget, pictures);
   });
-  add(chutes || !report.costs.empty(), "cost", "Run time", [&] { return cost_section(report); });
+  add(chutes || !report.costs.empty(), "cost", "Run time", [&] {
+    return cost_section(report, report.runs);
+  });
   add(chutes, "health", "Health", [&] { return health_section(report); });
   add(chutes, "answers", "Answers", [&] { return answer_section(report); });
   add(true, "reading", "How to read this", [&] { return reading_section(report); });
+  return parts;
+}
+
+std::vector<Part> parts_of(const SeriesReport& report,
+                           const std::vector<FigureGroup>& figures,
+                           const Pictures& pictures) {
+  std::vector<Part> parts;
+  parts.push_back({"summary", "Summary", summary_section(report)});
+  parts.push_back({"series", "Series", series_section(report, figures, pictures)});
+  parts.push_back({"cost", "Run time", cost_section(report, {})});
+  parts.push_back({"reading", "How to read this", reading_section(report)});
   return parts;
 }
 
@@ -115,6 +124,16 @@ Html picture(const Figure& figure, const Pictures& pictures) {
          "</figcaption></figure>\n"_html;
 }
 
+std::string whole_page(const ReportHead& report,
+                       const std::vector<Part>& parts,
+                       const Pictures& pictures) {
+  Html body = "<h1>"_html + text(report.title) + "</h1>\n"_html + made_by(report) +
+              contents(parts) + missing_pictures(pictures);
+  for (const Part& part : parts) body += part.content;
+  return "<!DOCTYPE html>\n<html lang=\"en\">\n" + head(report).markup + "<body>\n" + body.markup +
+         "</body>\n</html>\n";
+}
+
 }  // namespace
 
 Html show(const FigureGroup& group, const Pictures& pictures) {
@@ -134,7 +153,6 @@ Figures figures(const Report& report) {
   result.time = time_figures(report);
   if (!report.flows.empty()) result.flows = flow_figures(report);
   if (report.budget) result.budget = budget_figures(*report.budget);
-  if (report.series) result.series = series_figures(*report.series);
   if (report.material) result.material = material_figures(*report.material);
   if (report.contact_friction) {
     result.contact_friction = contact_friction_figures(*report.contact_friction);
@@ -147,12 +165,13 @@ Figures figures(const Report& report) {
 }
 
 std::string page(const Report& report, const Figures& figures, const Pictures& pictures) {
-  const std::vector<Part> parts = parts_of(report, figures, pictures);
-  Html body = "<h1>"_html + text(report.title) + "</h1>\n"_html + made_by(report) +
-              contents(parts) + missing_pictures(pictures);
-  for (const Part& part : parts) body += part.content;
-  return "<!DOCTYPE html>\n<html lang=\"en\">\n" + head(report).markup + "<body>\n" + body.markup +
-         "</body>\n</html>\n";
+  return whole_page(report, parts_of(report, figures, pictures), pictures);
+}
+
+std::string page(const SeriesReport& report,
+                 const std::vector<FigureGroup>& figures,
+                 const Pictures& pictures) {
+  return whole_page(report, parts_of(report, figures, pictures), pictures);
 }
 
 }  // namespace grainlaw::report

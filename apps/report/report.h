@@ -125,18 +125,28 @@ struct LifetimeCurve {
   dem::LifetimeStatistics statistics;
 };
 
-/// Chutes that differ in one property at a time: Xi beside the lifetimes of contacts.
-struct SeriesReport {
-  calibration::ContactSeries contacts;
-  std::vector<LifetimeCurve> curves;
-  std::optional<calibration::CohesionSeries> cohesion;  ///< absent: no grains attract each other
-  std::string law_name;  ///< of the table whose Xi stands beside the measured one; empty: none
-};
-
 struct StageCost {
   std::string stage;
   double wall_seconds = 0.0;
   double cpu_seconds = 0.0;
+};
+
+/// What every report says of its making.
+struct ReportHead {
+  std::string title;
+  std::string command;  ///< that made it
+  std::string machine;  ///< processor, cores and threads used; empty: not stated
+  std::vector<StageCost> costs;
+  std::vector<std::string> warnings;
+};
+
+/// Chutes that differ in one property at a time: Xi beside the lifetimes of contacts. No law is
+/// fitted to them: there is no table and nothing is predicted.
+struct SeriesReport : ReportHead {
+  calibration::ContactSeries contacts;
+  std::vector<LifetimeCurve> curves;
+  std::optional<calibration::CohesionSeries> cohesion;  ///< absent: no grains attract each other
+  std::string law_name;  ///< of the table whose Xi stands beside the measured one; empty: none
 };
 
 /// One line of a law in a figure: states along which I or Bo varies, with the band where one was
@@ -203,11 +213,9 @@ struct BudgetReport {
   std::vector<std::string> notes;  ///< sentences on what was left out or cut short
 };
 
-/// All a report shows. Everything in it was computed before; the report only writes.
-struct Report {
-  std::string title;
-  std::string command;  ///< that made it
-  std::string machine;  ///< processor, cores and threads used; empty: not stated
+/// A law, given or fitted, and what it predicts. Everything in it was computed before; the report
+/// only writes.
+struct Report : ReportHead {
   continuum::RheologyTable table;
   std::optional<calibration::MuPhiFit> fit;  ///< absent when the table was given
   std::optional<MaterialReport> material;
@@ -220,14 +228,12 @@ struct Report {
   std::vector<SeedScatter> seeds;             ///< empty: one seed each
   std::vector<TimeErrorPoint> error_against_time;
   std::optional<BudgetReport> budget;  ///< absent: no budget was set
-  std::optional<SeriesReport> series;  ///< absent: no series was asked for
-  std::vector<StageCost> costs;
-  std::vector<std::string> warnings;
 };
 
 /// Writes DIR/report.html (self-contained, offline), DIR/report.json and, in DIR/plots, the gnuplot
 /// scripts, CSV files and SVGs behind every figure. Without gnuplot the report has tables and CSV
 /// and says so. Throws io::FileError.
 void write_report(const Report& report, const std::filesystem::path& directory);
+void write_report(const SeriesReport& report, const std::filesystem::path& directory);
 
 }  // namespace grainlaw::report

@@ -1,17 +1,16 @@
 #include "apps/report/report_json.h"
 
-#include <nlohmann/json.hpp>
-
+#include "apps/report/budget_json.h"
 #include "apps/report/flow_json.h"
 #include "apps/report/in_time_json.h"
+#include "apps/report/json_parts.h"
 #include "apps/report/law_curve.h"
 #include "apps/report/material_json.h"
+#include "apps/report/series_json.h"
 #include "continuum/well_posedness.h"
 
 namespace grainlaw::report {
 namespace {
-
-using json = nlohmann::ordered_json;
 
 // Declared before the templates that convert their vectors and optionals.
 json to_json(const dem::Estimate&);
@@ -35,25 +34,15 @@ json to_json(const continuum::CertifiedConfinement&);
 json to_json(const RunComparison&);
 json to_json(const TimeErrorPoint&);
 json to_json(const SeedScatter&);
-json to_json(const BudgetRound&);
-json to_json(const BudgetReport&);
 json to_json(const StageCost&);
 json to_json(const Coefficient&);
 json to_json(const continuum::Covariance&);
 json to_json(const continuum::EffectiveBase&);
 json to_json(const continuum::RheologyTable&);
 json to_json(const calibration::MuPhiFit&);
-json to_json(const calibration::ContactPoint&);
-json to_json(const calibration::RatioLaw&);
-json to_json(const calibration::StiffnessLaws&);
-json to_json(const calibration::RankCorrelation&);
-json to_json(const calibration::CohesivePoint&);
-json to_json(const calibration::PooledCohesion&);
-json to_json(const calibration::CohesionSeries&);
-json to_json(const SeriesReport&);
 
 json to_json(const dem::Estimate& estimate) {
-  return {{"value", estimate.value}, {"error", estimate.error}};
+  return estimate_json(estimate);
 }
 
 template <class T>
@@ -73,11 +62,7 @@ json to_json(const continuum::Range& range) {
 }
 
 json to_json(const calibration::FittedCoefficient& coefficient) {
-  return {{"name", coefficient.name},
-          {"value", coefficient.value},
-          {"error", coefficient.error},
-          {"at_bound", coefficient.at_bound},
-          {"identifiable", coefficient.identifiable}};
+  return coefficient_json(coefficient);
 }
 
 json to_json(const calibration::FitSummary& fit) {
@@ -309,80 +294,6 @@ json to_json(const calibration::MuPhiFit& fit) {
           {"points", to_json(fit.points)}};
 }
 
-json to_json(const calibration::ContactPoint& point) {
-  return {{"name", point.name},
-          {"series", point.series},
-          {"stiffness", point.stiffness},
-          {"attraction", point.attraction},
-          {"shear_rate", point.shear_rate},
-          {"Xi", to_json(std::vector(point.ratio.begin(), point.ratio.end()))},
-          {"Xi_of_law", point.ratio_of_law ? json(*point.ratio_of_law) : json(nullptr)},
-          {"scaled_mean", to_json(point.mean)},
-          {"scaled_mode", to_json(point.mode)},
-          {"scaled_long_lifetime", to_json(point.long_lifetime)},
-          {"collision_rate", to_json(point.collision_rate)},
-          {"coordination", to_json(point.coordination)},
-          {"contacts", point.contacts},
-          {"tail_sampled", point.tail_sampled}};
-}
-
-json to_json(const calibration::RatioLaw& law) {
-  return {{"factor", to_json(law.factor)},
-          {"rate", to_json(law.rate)},
-          {"left_out", law.summary.left_out}};
-}
-
-json to_json(const calibration::StiffnessLaws& laws) {
-  return {{"series", laws.series},
-          {"Xi", to_json(std::vector(laws.ratio.begin(), laws.ratio.end()))},
-          {"collision_rate", to_json(laws.collision_rate)},
-          {"mean_lifetime", to_json(laws.mean_lifetime)}};
-}
-
-json to_json(const calibration::RankCorrelation& correlation) {
-  return {{"with", correlation.with}, {"value", correlation.value}, {"runs", correlation.runs}};
-}
-
-json to_json(const calibration::CohesivePoint& point) {
-  const auto& plug = point.plug;
-  return {{"name", point.name},
-          {"series", point.series},
-          {"attraction", point.attraction},
-          {"inclination", point.inclination},
-          {"layer_height", point.layer_height},
-          {"flowing_height", point.flowing_height()},
-          {"plug_thickness", plug ? json(plug->thickness) : json(nullptr)},
-          {"tau_c_weight", plug ? to_json(plug->yield_stress_from_weight) : json(nullptr)},
-          {"tau_c_pairs", to_json(point.yield_stress)},
-          {"tau_c_at_bound", point.at_bound},
-          {"c0", to_json(point.cohesion)}};
-}
-
-json to_json(const calibration::PooledCohesion& one) {
-  return {{"attraction", one.attraction},
-          {"c0", to_json(one.cohesion)},
-          {"tilts", one.tilts},
-          {"chance", one.chance}};
-}
-
-json to_json(const calibration::CohesionSeries& cohesion) {
-  return {{"mu0", to_json(cohesion.mu0)},
-          {"points", to_json(cohesion.points)},
-          {"pooled", to_json(cohesion.pooled)},
-          {"left_out", cohesion.left_out}};
-}
-
-json to_json(const SeriesReport& series) {
-  const calibration::ContactSeries& contacts = series.contacts;
-  return {{"points", to_json(contacts.points)},
-          {"stiffness", to_json(contacts.stiffness)},
-          {"lifetime_law", to_json(contacts.lifetime_law)},
-          {"rank_correlations", to_json(contacts.correlations)},
-          {"left_out", contacts.left_out},
-          {"cohesion", to_json(series.cohesion)},
-          {"law", series.law_name}};
-}
-
 json to_json(const SeedScatter& one) {
   return {{"condition", one.condition},
           {"quantity", one.quantity},
@@ -392,53 +303,43 @@ json to_json(const SeedScatter& one) {
           {"expected_scatter", one.expected_scatter()}};
 }
 
-json to_json(const BudgetRound& round) {
-  return {{"runs", round.runs},
-          {"wall_seconds", round.wall_seconds},
-          {"cpu_seconds", round.cpu_seconds},
-          {"surface_velocity", to_json(round.surface_velocity)},
-          {"reached", round.reached},
-          {"failure", round.failure}};
+json head_json(const ReportHead& report) {
+  return {{"title", report.title},
+          {"command", report.command},
+          {"machine", report.machine},
+          {"warnings", report.warnings},
+          {"costs", to_json(report.costs)}};
 }
 
-json to_json(const BudgetReport& budget) {
-  return {{"seconds", budget.seconds},
-          {"spent_seconds", budget.spent_seconds},
-          {"processes", budget.processes},
-          {"targets", budget.targets},
-          {"rounds", to_json(budget.rounds)},
-          {"notes", budget.notes}};
+/// Names come from files: bytes that are no UTF-8 are replaced rather than refused.
+std::string text_of(const json& document) {
+  return document.dump(1, ' ', false, json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace
 
 std::string report_json(const Report& report) {
-  json document = {{"title", report.title},
-                   {"command", report.command},
-                   {"machine", report.machine},
-                   {"warnings", report.warnings},
-                   {"table", nullptr},
-                   {"certificate", nullptr},
+  json document = head_json(report);
+  document.update({{"table", to_json(report.table)},
+                   {"certificate", to_json(continuum::well_posedness_map(report.table))},
                    {"fit", to_json(report.fit)},
                    {"runs", to_json(report.runs)},
                    {"flows", flows_json(report)},
                    {"scores", scores_json(report)},
-                   {"error_against_time", to_json(report.error_against_time)},
-                   {"costs", to_json(report.costs)}};
+                   {"error_against_time", to_json(report.error_against_time)}});
   if (!report.seeds.empty()) document["seeds"] = to_json(report.seeds);
-  if (report.budget) document["budget"] = to_json(*report.budget);
-  if (report.series) {
-    document["series"] = to_json(*report.series);
-  } else {  // a law was given or fitted
-    document["table"] = to_json(report.table);
-    document["certificate"] = to_json(continuum::well_posedness_map(report.table));
-  }
+  if (report.budget) document["budget"] = budget_json(*report.budget);
   if (report.material) document["material"] = material_json(*report.material);
   if (report.contact_friction) {
     document["contact_friction"] = contact_friction_json(*report.contact_friction);
   }
-  // Names come from files: bytes that are no UTF-8 are replaced rather than refused.
-  return document.dump(1, ' ', false, json::error_handler_t::replace) + "\n";
+  return text_of(document);
+}
+
+std::string report_json(const SeriesReport& report) {
+  json document = head_json(report);
+  document["series"] = series_json(report);
+  return text_of(document);
 }
 
 }  // namespace grainlaw::report

@@ -18,7 +18,6 @@ struct Figures {
   std::vector<FigureGroup> flows;     ///< of the runs that are no chutes
   FigureGroup time;
   FigureGroup budget;
-  std::vector<FigureGroup> series;
   std::vector<FigureGroup> material;
   FigureGroup contact_friction;
 };
@@ -35,6 +34,7 @@ Html show(const FigureGroup& group, const Pictures& pictures);
 
 // The parts of the page, in their order. A part without content says so in one sentence.
 Html summary_section(const Report& report);
+Html summary_section(const SeriesReport& report);
 Html law_section(const Report& report, const FigureGroup& group, const Pictures& pictures);
 Html prediction_section(const Report& report,
                         const std::vector<FigureGroup>& groups,
@@ -60,13 +60,17 @@ Html contact_friction_section(const ContactFrictionReport& report,
 Html seed_section(const Report& report);
 Html time_section(const Report& report, const FigureGroup& group, const Pictures& pictures);
 Html budget_section(const BudgetReport& budget, const FigureGroup& group, const Pictures& pictures);
-Html cost_section(const Report& report);
+Html cost_section(const ReportHead& report, const std::vector<RunComparison>& runs);
 Html health_section(const Report& report);
 Html answer_section(const Report& report);
 Html reading_section(const Report& report);
+Html reading_section(const SeriesReport& report);
 
 /// The whole page.
 std::string page(const Report& report, const Figures& figures, const Pictures& pictures);
+std::string page(const SeriesReport& report,
+                 const std::vector<FigureGroup>& figures,
+                 const Pictures& pictures);
 
 // Shared words.
 Html fit_caption(const std::string& law, const calibration::FitSummary& fit);

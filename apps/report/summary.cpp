@@ -327,7 +327,6 @@ std::vector<Line> series_lines(const calibration::ContactSeries& contacts) {
 }
 
 std::vector<Line> lines(const Report& report) {
-  if (report.series) return series_lines(report.series->contacts);
   std::vector<Line> result = {friction_line(report)};
   const auto add = [&](const std::optional<Line>& line) {
     if (line) result.push_back(*line);
@@ -351,7 +350,7 @@ std::vector<Line> lines(const Report& report) {
   return result;
 }
 
-Html warnings(const Report& report) {
+Html warnings(const ReportHead& report) {
   std::vector<Html> items;
   for (auto warning = report.warnings.begin(); warning != report.warnings.end(); ++warning) {
     const bool said = std::find(report.warnings.begin(), warning, *warning) != warning;
@@ -361,14 +360,22 @@ Html warnings(const Report& report) {
   return "<div class=\"note\"><strong>Warnings</strong>"_html + list(items) + "</div>\n"_html;
 }
 
-}  // namespace
-
-Html summary_section(const Report& report) {
+Html summary_of(const std::vector<Line>& lines, const ReportHead& report) {
   Html content = "<dl class=\"summary\">\n"_html;
-  for (const Line& line : lines(report)) {
+  for (const Line& line : lines) {
     content += "<dt>"_html + line.topic + "</dt><dd>"_html + line.sentence + "</dd>\n"_html;
   }
   return section("summary", "What came out"_html, content + "</dl>\n"_html + warnings(report));
+}
+
+}  // namespace
+
+Html summary_section(const Report& report) {
+  return summary_of(lines(report), report);
+}
+
+Html summary_section(const SeriesReport& report) {
+  return summary_of(series_lines(report.contacts), report);
 }
 
 }  // namespace grainlaw::report

@@ -1,8 +1,10 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <iterator>
 
 #include "apps/io/safe_write.h"
 #include "apps/report/gnuplot.h"
@@ -35,16 +37,19 @@ void write_plot_file(const fs::path& path, const std::string& bytes) {
     throw io::FileError(fmt::format("cannot write {}: {}", path.string(), std::strerror(errno)));
 }
 
+std::vector<const FigureGroup*> all_groups(const std::vector<FigureGroup>& figures) {
+  std::vector<const FigureGroup*> groups;
+  for (const FigureGroup& group : figures) groups.push_back(&group);
+  return groups;
+}
+
 std::vector<const FigureGroup*> all_groups(const Figures& figures) {
-  std::vector<const FigureGroup*> groups = {&figures.law};
-  for (const FigureGroup& group : figures.profiles) groups.push_back(&group);
-  for (const FigureGroup& group : figures.in_time) groups.push_back(&group);
-  for (const FigureGroup& group : figures.flows) groups.push_back(&group);
-  groups.push_back(&figures.time);
-  groups.push_back(&figures.budget);
-  for (const FigureGroup& group : figures.series) groups.push_back(&group);
-  for (const FigureGroup& group : figures.material) groups.push_back(&group);
-  groups.push_back(&figures.contact_friction);
+  std::vector<const FigureGroup*> groups = {
+      &figures.law, &figures.time, &figures.budget, &figures.contact_friction};
+  for (const auto* several :
+       {&figures.profiles, &figures.in_time, &figures.flows, &figures.material}) {
+    std::ranges::copy(all_groups(*several), std::back_inserter(groups));
+  }
   return groups;
 }
 
@@ -65,10 +70,10 @@ void draw(const Figure& figure, const fs::path& directory, Pictures& pictures) {
   }
 }
 
-Pictures draw_all(const Figures& figures, const fs::path& directory) {
+Pictures draw_all(const std::vector<const FigureGroup*>& groups, const fs::path& directory) {
   make_directory(directory);
   Pictures pictures;
-  for (const FigureGroup* group : all_groups(figures)) {
+  for (const FigureGroup* group : groups) {
     for (const auto& [name, csv] : group->data) write_plot_file(directory / name, csv.text());
     for (const Figure& figure : group->figures) {
       write_plot_file(directory / (figure.name + ".gp"), figure.script);
@@ -78,14 +83,22 @@ Pictures draw_all(const Figures& figures, const fs::path& directory) {
   return pictures;
 }
 
+template <class AnyReport, class AllFigures>
+void write(const AnyReport& report, const AllFigures& all, const fs::path& directory) {
+  make_directory(directory);
+  io::safe_write(directory / "report.json", report_json(report));
+  const Pictures pictures = draw_all(all_groups(all), directory / "plots");
+  io::safe_write(directory / "report.html", page(report, all, pictures));
+}
+
 }  // namespace
 
 void write_report(const Report& report, const fs::path& directory) {
-  make_directory(directory);
-  io::safe_write(directory / "report.json", report_json(report));
-  const Figures all = figures(report);
-  const Pictures pictures = draw_all(all, directory / "plots");
-  io::safe_write(directory / "report.html", page(report, all, pictures));
+  write(report, figures(report), directory);
+}
+
+void write_report(const SeriesReport& report, const fs::path& directory) {
+  write(report, series_figures(report), directory);
 }
 
 }  // namespace grainlaw::report

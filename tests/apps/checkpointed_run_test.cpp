@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <limits>
 
+#include "apps/io/local_data_hdf5.h"
 #include "apps/program.h"
 #include "tests/apps/io/temporary_directory.h"
 
@@ -41,13 +42,6 @@ TEST(Pace, CountsOnlyWhatWasDoneSinceARunWentOn) {
 /// A layer that accelerates, run for 20 sqrt(d/g), asked to stop once it has come this far.
 struct StoppedAt {
   explicit StoppedAt(double time) {
-    const io::SceneFile file = io::parse_scene(
-        "units = \"grain\"\n"
-        "[contact.normal]\nlaw = \"hooke\"\nstiffness = 2e3\nrestitution = 0.5\n"
-        "[geometry]\nkind = \"chute\"\ninclination = 30\n"
-        "length = 4\nwidth = 4\ngrains = 60\n"
-        "[measurement]\naveraging_time = 10\ntime_limit = 20\n",
-        "small.toml");
     const auto ask = [&](const dem::Progress& now, const Pace&) {
       if (!now.settling && now.time >= time) stop_after(0.0);
       last = now.time;
@@ -55,8 +49,22 @@ struct StoppedAt {
     run = run_scene(file, output, {}, {.progress = ask, .note = [](const std::string&) {}});
     stop_after(1e9);
   }
+  SceneRun resumed_and_stopped_at_once() const {
+    stop_after(0.0);
+    const auto ignore = [](const auto&...) {};
+    SceneRun again = run_scene(file, output, {.start = Start::resume}, {ignore, ignore});
+    stop_after(1e9);
+    return again;
+  }
   bool has_checkpoint() const { return std::filesystem::exists(output.string() + ".checkpoint"); }
 
+  io::SceneFile file = io::parse_scene(
+      "units = \"grain\"\n"
+      "[contact.normal]\nlaw = \"hooke\"\nstiffness = 2e3\nrestitution = 0.5\n"
+      "[geometry]\nkind = \"chute\"\ninclination = 30\n"
+      "length = 4\nwidth = 4\ngrains = 60\n"
+      "[measurement]\naveraging_time = 10\ntime_limit = 20\n",
+      "small.toml");
   io::TemporaryDirectory directory;
   std::filesystem::path output = directory.path() / "small.h5";
   double last = 0.0;
@@ -67,6 +75,16 @@ TEST(CheckpointedRun, StoppedOnItsWayLeavesACheckpoint) {
   const StoppedAt early(4.0);
   EXPECT_TRUE(early.run.stopped);
   EXPECT_TRUE(early.has_checkpoint());
+}
+
+TEST(CheckpointedRun, StoppedBeforeItMovesOnKeepsItsDataAndCheckpoint) {
+  const StoppedAt early(4.0);
+  const SceneRun again = early.resumed_and_stopped_at_once();
+  EXPECT_TRUE(again.stopped);
+  EXPECT_TRUE(again.data.frames.frames.empty());
+  EXPECT_TRUE(early.has_checkpoint());
+  EXPECT_EQ(io::read_local_data(early.output).frames.frames.size(),
+            early.run.data.frames.frames.size());
 }
 
 TEST(CheckpointedRun, AskedToStopInItsLastFrameIsFinished) {

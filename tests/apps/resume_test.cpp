@@ -166,6 +166,23 @@ TEST_F(Resume, SignalsEndARunWithACheckpoint) {
   EXPECT_EQ(dem("run.h5", "--resume").json()["digest"], whole_digest());
 }
 
+/// Twenty thousand grains close to random close packing: their packing takes minutes.
+TEST_F(Resume, ARunThatIsBeingPackedStopsAndBeginsAnew) {
+  std::ofstream(path("scene.toml"))
+      << "name = \"dense\"\nunits = \"grain\"\n"
+         "[contact.normal]\nlaw = \"hooke\"\nstiffness = 2e4\nrestitution = 0.88\n"
+         "[geometry]\nkind = \"simple_shear\"\nshear_rate = 0.1\nvolume = \"fixed\"\n"
+         "volume_fraction = 0.63\ngrains = 20000\n";
+  const Output late = dem("run.h5", "--max-wall 0.2s");
+  EXPECT_EQ(late.code, 4) << late.text;
+  EXPECT_TRUE(late.says("before the flow started")) << late.text;
+  EXPECT_TRUE(there("run.h5.checkpoint"));
+  Background program(command("run.h5"));
+  wait_for("run.h5.lock");
+  EXPECT_EQ(program.end(SIGTERM), 4);
+  EXPECT_EQ(dem("run.h5", "--resume --max-wall 0.1s").code, 4);
+}
+
 TEST_F(Resume, ADamagedCheckpointGivesWayToTheOneBefore) {
   stopped("run.h5");
   stopped("run.h5", "--resume");

@@ -99,6 +99,7 @@ dem::LocalData sheared_both_ways(int rows) {
     dem::LocalRow row;
     row.z = k + 0.5;
     const double rate = std::cos(2.0 * std::numbers::pi * row.z / rows);
+    row.velocity = {0.0, 0.0};
     row.shear_rate = {rate, 0.1};
     row.friction = {0.5 * rate, 0.01};
     row.inertial_number = {0.2 * rate, 0.02};
@@ -128,13 +129,29 @@ TEST(ProfilePoints, BothWaysOfShearAreOneState) {
   }
 }
 
+TEST(ProfilePoints, BondNumberHasTheRelativeErrorOfTheStressOfItsRow) {
+  dem::LocalData data = sheared_both_ways(20);
+  data.conditions.attraction = 0.5;
+  for (dem::LocalRow& row : data.rows) row.normal_stress = {2.0, 0.1};
+  for (const StatePoint& point : profile_points(data).points) {
+    EXPECT_DOUBLE_EQ(point.bond_number.value, 0.25);
+    EXPECT_DOUBLE_EQ(point.bond_number.error, 0.25 * 0.05);
+  }
+}
+
 TEST(ProfilePoints, RowsAtWallsAreLeftOut) {
   dem::LocalData data = sheared_both_ways(20);
   data.conditions.geometry = "plane_shear";
   data.frames.periodic = false;
-  for (const StatePoint& point : profile_points(data).points) {
-    EXPECT_GE(point.place, 2.5);
-    EXPECT_LE(point.place, 17.5);
+  dem::LocalRow beyond = data.rows.front();  // the kernel still sees grains
+  beyond.z = -0.5;
+  beyond.volume_fraction.value = 0.1;
+  data.rows.insert(data.rows.begin(), beyond);
+  const ProfilePoints found = profile_points(data);
+  ASSERT_FALSE(found.points.empty());
+  for (const StatePoint& point : found.points) {
+    EXPECT_GE(point.place, 2.0);
+    EXPECT_LE(point.place, 18.0);
   }
 }
 

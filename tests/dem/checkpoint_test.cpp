@@ -189,6 +189,21 @@ TEST(Checkpoint, RunThatIsTakenUpGivesTheSameLocalData) {
   expect_same_results(shear);
 }
 
+TEST(Checkpoint, RunThatIsStoppedBeforeItMovesOnKeepsWhereItWas) {
+  Scene scene = small_chute(25.0);
+  Checkpoint first, second;
+  RunOptions options;
+  options.observer = [](const Progress& p) { return p.settling; };
+  options.save = [&](const Checkpoint& saved) { first = saved; };
+  run(scene, options);
+  EXPECT_FALSE(first.numbers.empty());
+  options.observer = [](const Progress&) { return false; };
+  options.save = [&](const Checkpoint& saved) { second = saved; };
+  options.resume = &first;
+  EXPECT_TRUE(run(scene, options).frames.frames.empty());
+  EXPECT_EQ(differences(first, second), "");
+}
+
 TEST(Checkpoint, OfAnotherSceneIsRefused) {
   const ContactLaw law{soft, Cohesionless{}, grip};
   Simulation small = flow(with(small_chute(25.0), law, 50.0), law);

@@ -39,6 +39,17 @@ TEST(RandomPacking, RefusesWhatIsDenserThanRandomClosePacking) {
   EXPECT_THROW(random_packing(cube_for(sizes, 0.7), sizes, 5), SceneError);
 }
 
+TEST(RandomPacking, StopsAtTheFirstSweepItIsToldTo) {
+  const std::vector<double> sizes(100, 1.0);
+  const Box box = cube_for(sizes, 0.6);
+  std::vector<InitialGrain> grains;
+  for (const Vec3& place : scatter(region_of(box), sizes.size(), 5))
+    grains.push_back({.position = place});
+  int asked = 0;
+  EXPECT_THROW(come_apart(region_of(box), grains, [&] { return ++asked < 3; }), PackingStopped);
+  EXPECT_EQ(asked, 3);
+}
+
 TEST(RandomPacking, RefusesABoxInWhichAGrainMeetsItsOwnImage) {
   EXPECT_THROW(random_packing(box_of({1.1, 8.0, 8.0}), std::vector<double>(4, 1.0), 5), SceneError);
 }

@@ -124,8 +124,21 @@ TEST(Run, ObserverStopsTheRunAndKeepsItsFrames) {
   const LocalData data = run(scene, observed_by([](const Progress& p) { return p.time < 6.0; }));
   EXPECT_EQ(data.frames.frames.size(), 4u);  // told to stop after the first frame that ends past 6
   EXPECT_FALSE(data.window.steady);
-  const LocalData none = run(scene, observed_by([](const Progress& p) { return !p.settling; }));
-  EXPECT_TRUE(none.frames.frames.empty());
+}
+
+/// The first question is asked by the packing, of any geometry.
+TEST(Run, ObserverStopsARunThatIsBeingPacked) {
+  for (const Scene& scene : {small_chute(25.0), small_shear(10.0, 150), small_plane_shear(10.0)}) {
+    int saved = 0;
+    RunOptions options = observed_by([](const Progress& p) { return !p.settling; });
+    options.save = [&](const Checkpoint& checkpoint) { saved += checkpoint == Checkpoint{}; };
+    const LocalData none = run(scene, options);
+    EXPECT_TRUE(none.frames.frames.empty());
+    EXPECT_EQ(none.summary.steps, 0);
+    EXPECT_FALSE(none.window.steady);
+    EXPECT_NE(none.window.reason.find("before the flow"), std::string::npos) << none.window.reason;
+    EXPECT_EQ(saved, 1) << "one that begins anew";
+  }
 }
 
 /// Every geometry from packing to rows, in a second or so.

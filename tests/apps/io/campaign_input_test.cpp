@@ -2,10 +2,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 #include <set>
 
 #include "apps/io/campaign_scenes.h"
 #include "apps/io/safe_write.h"
+#include "dem/steady_state.h"
 #include "tests/apps/io/temporary_directory.h"
 
 namespace grainlaw::io {
@@ -102,6 +104,42 @@ TEST(CampaignScenes, StrainSetsTheTimesOfEveryRunByItsRate) {
     EXPECT_NEAR(m.time_limit * rate, 12.0, 12.0 * rounding);
     EXPECT_NEAR(m.sample_interval * rate, 0.005, 0.005 * rounding);
     EXPECT_NEAR(m.frame_interval * rate, 0.1, 0.1 * rounding);
+  }
+}
+
+/// Frames of whole steps that are a little too short or too long, of a flow that does not drift.
+std::vector<dem::ProfileFrame> steady_frames(const dem::Measurement& m, double length, int seed) {
+  std::mt19937_64 random(static_cast<std::uint64_t>(seed));
+  std::normal_distribution<double> noise;
+  std::vector<dem::ProfileFrame> frames;
+  for (double begin = 0.0; begin < m.time_limit; begin += length * m.frame_interval) {
+    frames.push_back({.begin = begin,
+                      .end = begin + length * m.frame_interval,
+                      .samples = 20,
+                      .centre_of_mass = noise(random),
+                      .kinetic_energy = noise(random),
+                      .bins = {{}},
+                      .sliding = {}});
+  }
+  return frames;
+}
+
+TEST(CampaignScenes, TimeLimitLeavesRoomForTheWantedStrain) {
+  const TemporaryDirectory directory;
+  for (const char* strain : {"0.4", "1.0", "3.0", "12.0"}) {
+    const std::string keys = "inertial_number = [0.1]\nstrain = " + std::string(strain) + "\n";
+    const dem::Scene scene = runs_of(directory, box("simple_shear") + keys)[0].file.scene;
+    const dem::Measurement& m = scene.measurement;
+    const dem::SteadyCriteria criteria{
+        .averaging_time = m.averaging_time,
+        .start_up = 1.0 / std::get<dem::SimpleShear>(scene.geometry).shear_rate,
+        .mean_flow = false};
+    for (int seed = 0; seed < 20; ++seed) {
+      for (const double length : {0.99, 1.0, 1.01}) {
+        const auto state = dem::assess(steady_frames(m, length, seed), criteria).state;
+        EXPECT_NE(state, dem::FlowState::too_short) << "strain " << strain << ", seed " << seed;
+      }
+    }
   }
 }
 

@@ -44,6 +44,19 @@ TEST(InputFile, NotANumberIsNeverInRangeAndInfinityOnlyWhenAllowed) {
   EXPECT_EQ(text.find("c = inf"), std::string::npos);
 }
 
+TEST(InputFile, AWrongValueIsTheOnlyProblemOfItsKey) {
+  InputFile in = InputFile::from_text("a = [1, -2]\nb = []\n", "f");
+  Section top = in.top();
+  for (const std::string_view key : {"a", "b"}) {
+    const auto list = top.find<std::vector<double>>({key, "", {}, positive});
+    if (list.value_or(std::vector<double>{}).empty()) top.problem(key, "is empty");
+  }
+  const std::string text = problems_of(in);
+  EXPECT_NE(text.find("f:1:9: error: a = -2 is out of range"), std::string::npos) << text;
+  EXPECT_EQ(text.find("f:1:1: error: is empty"), std::string::npos) << text;
+  EXPECT_NE(text.find("f:2:1: error: is empty"), std::string::npos) << text;
+}
+
 TEST(InputFile, ABinaryFileIsCalledWhatItIs) {
   const auto message = [](const std::string& bytes) -> std::string {
     try {

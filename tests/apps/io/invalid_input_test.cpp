@@ -84,6 +84,25 @@ TEST(InvalidInput, EveryMessageNamesFileLineAndColumn) {
   }
 }
 
+/// Files with one wrong value each.
+TEST(InvalidInput, AListWithAWrongValueIsOneProblem) {
+  const TemporaryDirectory directory;
+  const std::string chute = "scene = \"" + (data / "scenes/chute.toml").string() + "\"\n";
+  std::string sweep = read_file(data / "cases/sweep.toml");
+  sweep.replace(sweep.find("18.0"), 4, "95.0");
+  const std::vector<std::pair<std::string, std::string>> files{
+      {"campaign.toml", chute + "[tilts]\ncalibrate = [24, 95]\npredict = [25]\n"},
+      {"campaign.toml", chute + "seeds = [1, 0.5]\n[tilts]\ncalibrate = [24]\npredict = [25]\n"},
+      {"case.toml", sweep},
+  };
+  for (const auto& [name, text] : files) {
+    const std::string message = message_of(directory.write(name, text));
+    const std::size_t first = message.find(": error: ");
+    ASSERT_NE(first, std::string::npos) << message;
+    EXPECT_EQ(message.find(": error: ", first + 1), std::string::npos) << message;
+  }
+}
+
 TEST(InvalidInput, MessagesHoldNoBytesThatATerminalWouldObey) {
   for (const std::filesystem::path& path : invalid_files()) {
     for (const char c : message_of(path)) {

@@ -30,7 +30,8 @@ class Report : public ::testing::Test {
   }
   void TearDown() override { fs::remove_all(directory_); }
 
-  std::string write(const report::Report& content) const {
+  template <class AnyReport>
+  std::string write(const AnyReport& content) const {
     report::write_report(content, directory_);
     return io::read_file(directory_ / "report.html");
   }
@@ -280,6 +281,23 @@ TEST_F(Report, AFolderThatCannotBeWrittenIsAFileError) {
   EXPECT_THROW(report::write_report(synthetic_report(), directory_ / "file"), io::FileError);
   EXPECT_THROW(report::write_report(synthetic_report(), directory_ / "file" / "below"),
                io::FileError);
+}
+
+TEST_F(Report, ASeriesShowsItsRunsAndNoLaw) {
+  report::SeriesReport series;
+  series.title = "Stiffness";
+  series.warnings = {"one run failed"};
+  series.costs = {{"DEM", 10.0, 20.0}};
+  series.contacts.points.push_back({.name = "soft", .series = "hooke", .stiffness = 2e3});
+  series.contacts.left_out = {"stiff: too few long contacts"};
+  const std::string html = write(series);
+  for (const char* there : {"one run failed", "soft", "too few long contacts", "DEM"})
+    EXPECT_NE(html.find(there), std::string::npos) << there;
+  for (const char* absent : {"Well-posedness", "Steady profiles", "Law"})
+    EXPECT_EQ(html.find(absent), std::string::npos) << absent;
+  EXPECT_EQ(numbers()["series"]["points"][0]["name"], "soft");
+  EXPECT_FALSE(numbers().contains("table"));
+  EXPECT_EQ(numbers()["costs"][0]["wall_seconds"], 10.0);
 }
 
 }  // namespace
