@@ -11,6 +11,7 @@
 #include "apps/campaign_report.h"
 #include "apps/campaign_run.h"
 #include "apps/compare_runs.h"
+#include "apps/measured_so_far.h"
 #include "apps/program.h"
 #include "calibration/comparison.h"
 
@@ -25,13 +26,14 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 /// Averaging of a candidate that is not to be run again: it arrests, or its runs fail.
 constexpr double never = std::numeric_limits<double>::infinity();
 
-/// Parts of a budget that are kept for the predictions and the report at the end.
+/// Kept of a budget for its end until a first report has shown what that takes.
 constexpr double report_part = 0.04;
-constexpr double least_report_seconds = 3.0;
+constexpr double least_report_seconds = 4.0;
 
-double reserve_for_report(double budget) {
-  return std::max(report_part * budget, least_report_seconds);
-}
+/// The last report over the first: it shows more runs, and other programs may want the machine.
+constexpr double later_report = 3.0;
+/// For runs to see that they have to stop, and to write what they have [s].
+constexpr double stopping_seconds = 1.0;
 
 /// Relative L2 error of the velocity where the tilt was measured.
 double reached(const std::optional<continuum::RheologyTable>& table,
@@ -46,18 +48,39 @@ double reached(const std::optional<continuum::RheologyTable>& table,
   return calibration::profile_error(*run, steady.profile).velocity.value;
 }
 
+/// A law to start chutes with, from runs as they were at their ends: no law to predict with, as
+/// some were still on their way. Absent where not even that can be fitted.
+std::optional<continuum::RheologyTable> rough_law(const io::Campaign& campaign, CampaignData data) {
+  constexpr double at_the_end = 1.0 / 3.0;  // of a run
+  for (MeasuredRun& run : data.runs) {
+    if (run.fitted || run.data.window.arrested_at) continue;
+    const double end = run.data.frames.frames.back().end;
+    run.data.window = {.steady = true, .begin = (1.0 - at_the_end) * end, .end = end};
+    run.data.rows = dem::average(run.data.frames, run.data.conditions, run.data.window);
+    run.fitted = true;
+  }
+  try {
+    return fit_law(campaign, data);
+  } catch (const calibration::FitError&) {
+    return std::nullopt;
+  }
+}
+
 class Spending {
  public:
   Spending(const io::Campaign& campaign, const fs::path& directory, const BudgetSettings& settings)
       : campaign_(campaign),
         directory_(directory / "runs"),
+        starts_(directory / "starts"),
         settings_(settings),
         progress_(settings.quiet),
+        kept_(std::max(report_part * settings.seconds, least_report_seconds)),
         outcome_(begin(campaign, settings)),
         planner_(campaign,
                  budget_candidates(runs_with_starts(campaign, directory, outcome_.data.warnings)),
                  settings.processes) {
     fs::create_directories(directory_);
+    given_ = outcome_.data.runs.size();
     for (BudgetCandidate& one : planner_.candidates()) {
       one.runs = static_cast<int>(
           std::ranges::count(outcome_.data.runs, one.planned.condition, &MeasuredRun::condition));
@@ -65,10 +88,10 @@ class Spending {
   }
 
   BudgetOutcome spend() {
-    stop_after(left());
     if (outcome_.data.fitted().size() < BudgetPlanner::fewest_runs) make(first_round());
     while (!interrupted_) {
       learn();
+      write_first_report();
       const std::vector<PlannedSpending> next = planner_.next_round(left());
       if (next.empty()) break;
       make(next);
@@ -76,7 +99,10 @@ class Spending {
     constexpr double no_limit = 1e9;
     stop_after(no_limit);
     const report::BudgetReport& report = outcome_.report;
-    if (!interrupted_ && !tables_.back()) throw calibration::FitError(report.rounds.back().failure);
+    if (!interrupted_ && !tables_.back()) {
+      throw calibration::FitError("the runs of this budget give no law, a larger one may: " +
+                                  report.rounds.back().failure);
+    }
     add_reached();
     return std::move(outcome_);
   }
@@ -94,9 +120,7 @@ class Spending {
   double passed() const {
     return std::chrono::duration<double>(steady_clock::now() - start_).count();
   }
-  double left() const {
-    return settings_.seconds - reserve_for_report(settings_.seconds) - passed();
-  }
+  double left() const { return settings_.seconds - kept_ - passed(); }
 
   std::vector<PlannedSpending> first_round() {
     FirstRound round = planner_.first_round(left());
@@ -140,21 +164,45 @@ class Spending {
   void make(const std::vector<PlannedSpending>& runs) {
     std::vector<io::SceneFile> scenes;
     for (const PlannedSpending& run : runs) {
-      BudgetCandidate& candidate = planner_.candidates()[run.candidate];
+      const BudgetCandidate& candidate = planner_.candidates()[run.candidate];
       const std::string name = free_name(candidate.planned.condition);
+      // A seed of its own for every run: bases and packings of the tilts are independent.
+      const std::size_t seeds_on = given_ + made_.size();
       made_.push_back(name);
-      scenes.push_back(budget_scene(candidate, name, run.averaging));
-      ++candidate.runs;
+      scenes.push_back(started(budget_scene(candidate, name, run.averaging, seeds_on)));
       round_.push_back(name + ": " + run.why);
     }
+    stop_after(left());
     std::vector<CampaignRun> results =
         run_scenes(scenes, directory_, settings_.processes, progress_);
+    interrupted_ = stop_requested() && left() > 0.0;
     double slowest = 0.0;
     for (std::size_t k = 0; k < results.size(); ++k) {
-      take(results[k], planner_.candidates()[runs[k].candidate], slowest);
+      BudgetCandidate& candidate = planner_.candidates()[runs[k].candidate];
+      if (!interrupted_) salvage(results[k], scenes[k], candidate);
+      take(results[k], candidate, slowest);
     }
     if (slowest > 0.0) planner_.set_pace(slowest);
-    interrupted_ = stop_requested() && left() > 0.0;
+  }
+
+  /// A chute starts with the profile of the law, where there is one already.
+  io::SceneFile started(const io::SceneFile& file) const {
+    const bool chute = std::holds_alternative<dem::Chute>(file.scene.geometry);
+    if (!chute || !start_law_) return file;
+    fs::create_directories(starts_);
+    return started_from(file, *start_law_, starts_).value_or(file);
+  }
+
+  void salvage(CampaignRun& run, const io::SceneFile& file, const BudgetCandidate& candidate) {
+    const bool stopped = !run.data && stop_requested();
+    const bool unsteady = run.data && !run.data->window.steady && !run.data->window.arrested_at;
+    if (!stopped && !unsteady) return;
+    const double usable = candidate.usable * candidate.unit;
+    if (auto data = measured_so_far(file, usable, data_path(directory_, run.name))) {
+      run.data = std::move(data);
+      outcome_.report.notes.push_back(
+          fmt::format("{} ended early: {}", run.name, run.data->window.reason));
+    }
   }
 
   void take(CampaignRun& run, BudgetCandidate& candidate, double& slowest) {
@@ -167,7 +215,7 @@ class Spending {
     if (!run.data) {
       data.failed.push_back(fmt::format("{}: {}", run.name, run.failure));
       outcome_.report.notes.push_back(data.failed.back());
-      candidate.least = never;
+      if (++candidate.failures > 1) candidate.least = never;  // another seed may do
       return;
     }
     data.kept += run.kept ? 1 : 0;
@@ -176,16 +224,28 @@ class Spending {
     slowest =
         std::max(slowest, run.data->summary.wall_seconds / (length * candidate.seconds_per_unit));
     const bool steady = run.data->window.steady;
+    const bool chute = run.data->conditions.geometry == "chute";
     if (!steady) {
       outcome_.report.notes.push_back(
           fmt::format("{} is not steady and is not fitted: {}", run.name, run.data->window.reason));
-      candidate.warm_up *= 2.0;
+      // After the first round chutes start nearer to their flow.
+      if (!chute || start_law_) candidate.warm_up *= 2.0;
       if (run.data->window.arrested_at) candidate.least = never;
-    } else if (run.data->conditions.geometry == "chute") {
-      candidate.warm_up = run.data->window.begin / candidate.unit;
+    } else if (chute) {
+      candidate.warm_up = std::min(candidate.warm_up, run.data->window.begin / candidate.unit);
     }
+    candidate.runs += steady ? 1 : 0;
     const std::string digest = io::digest(data_path(directory_, run.name));
     data.runs.push_back({std::move(*run.data), candidate.planned.condition, steady, digest});
+  }
+
+  /// Without those that were given: targets must not tell anything.
+  CampaignData own_runs() const {
+    CampaignData own = outcome_.data;
+    std::erase_if(own.runs, [&](const MeasuredRun& run) {
+      return std::ranges::find(made_, run.data.name) == made_.end();
+    });
+    return own;
   }
 
   /// The law as it is now, and what it promises.
@@ -194,19 +254,32 @@ class Spending {
     tables_.emplace_back();
     try {
       const continuum::RheologyTable table = fit_law(campaign_, outcome_.data);
-      if (planner_.learn(table, outcome_.data.runs)) tables_.back() = table;
+      const bool planned = planner_.learn(table, outcome_.data.runs);
+      start_law_ = table;
+      if (planned) tables_.back() = table;
       for (const double tilt : campaign_.predict_tilts) {
         round.surface_velocity.push_back(
-            calibration::surface_velocity(table, planner_.target(tilt)));
+            planned ? planner_.surface_velocity(tilt)
+                    : calibration::surface_velocity(table, planner_.target(tilt)));
       }
     } catch (const calibration::FitError& error) {
       round.failure = error.what();
       round.surface_velocity.assign(campaign_.predict_tilts.size(), {nan, nan});
+      start_law_ = rough_law(campaign_, own_runs());
     }
     round.runs = std::exchange(round_, {});
     round.wall_seconds = outcome_.report.spent_seconds = passed();
     round.cpu_seconds = cpu_seconds_;
     outcome_.report.rounds.push_back(std::move(round));
+  }
+
+  /// A report is there from now on; what it takes is kept for the last one.
+  void write_first_report() {
+    if (wrote_report_ || !tables_.back() || !settings_.write_report) return;
+    const double before = passed();
+    settings_.write_report(outcome_.data, outcome_.report);
+    kept_ = later_report * (passed() - before) + stopping_seconds;
+    wrote_report_ = true;
   }
 
   /// Every law of the rounds against the targets that were measured outside the budget.
@@ -222,8 +295,12 @@ class Spending {
   steady_clock::time_point start_ = steady_clock::now();
   const io::Campaign& campaign_;
   fs::path directory_;
+  fs::path starts_;
   const BudgetSettings& settings_;
   ProgressLine progress_;
+  double kept_;            ///< for the end [s]
+  std::size_t given_ = 0;  ///< finished runs that cost nothing
+  bool wrote_report_ = false;
   BudgetOutcome outcome_;
   BudgetPlanner planner_;
   double cpu_seconds_ = 0.0;
@@ -231,6 +308,7 @@ class Spending {
   std::vector<std::string> made_;   ///< names of all runs
   std::vector<std::string> round_;  ///< runs since the law was fitted last
   std::vector<std::optional<continuum::RheologyTable>> tables_;  ///< of every round
+  std::optional<continuum::RheologyTable> start_law_;            ///< of the latest runs
 };
 
 }  // namespace

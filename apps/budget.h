@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,9 @@ struct BudgetSettings {
   std::vector<std::string>
       from;  ///< finished runs: they cost nothing, and targets among them check
   bool quiet = false;
+  /// Writes the report of what there is. Called once the first law is known: a report is there from
+  /// then on, and what it took is kept for the last one.
+  std::function<void(const CampaignData&, const report::BudgetReport&)> write_report{};
 };
 
 /// What a budget gave.
@@ -28,7 +32,9 @@ struct BudgetOutcome {
 /// tilts will be known best within the wall time. The first round spreads over the candidates; then
 /// the law is fitted after every round, and the next runs are those with the largest V-optimal
 /// share, three tenths of the time going to conditions not yet run and to other seeds, which show
-/// what the law does not hold. No predicted tilt is run: `from` may hold it.
+/// what the law does not hold. No predicted tilt is run: `from` may hold it. Chutes of later rounds
+/// start with the profile of the law as it is then. A run that the end of the budget or its own
+/// time limit cuts off counts with what it has, if 16 frames of it are steady.
 ///
 /// Throws io::InputError where the budget is too small for three runs, naming one that is not;
 /// calibration::FitError where no law could be fitted in the end; what run_scenes throws. After a

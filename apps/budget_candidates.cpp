@@ -49,9 +49,9 @@ BudgetCandidate candidate_of(const io::PlannedRun& planned, double grain_step) {
   candidate.seconds_per_unit =
       grain_step * dem::grains(scene) * candidate.unit / dem::time_step(scene);
   candidate.warm_up = std::max(0.0, start_up(scene)) / candidate.unit;
-  candidate.least = std::max(least_frames * measurement.frame_interval,
-                             least_share * measurement.averaging_time) /
-                    candidate.unit;
+  candidate.usable = least_frames * measurement.frame_interval / candidate.unit;
+  candidate.least =
+      std::max(candidate.usable, least_share * measurement.averaging_time / candidate.unit);
   return candidate;
 }
 
@@ -81,11 +81,12 @@ std::vector<BudgetCandidate> budget_candidates(const std::vector<io::PlannedRun>
 
 io::SceneFile budget_scene(const BudgetCandidate& candidate,
                            const std::string& name,
-                           double averaging) {
+                           double averaging,
+                           std::size_t seeds_on) {
   const io::SceneFile& file = candidate.planned.file;
   const double size = file.units[io::dimension::time].size * candidate.unit;
   const double limit = candidate.warm_up + (1.0 + detector_reserve) * averaging;
-  const auto seed = file.scene.seed + static_cast<std::uint64_t>(candidate.runs);
+  const std::uint64_t seed = file.scene.seed + seeds_on;
   return io::parse_scene(
       io::with_values(file.text,
                       {{"", "name", fmt::format("\"{}\"", name)},

@@ -15,8 +15,10 @@ struct BudgetCandidate {
   double unit = 1.0;              ///< of length [time]
   double seconds_per_unit = 0.0;  ///< wall time
   double warm_up = 0.0;           ///< before averaging begins
-  double least = 0.0;             ///< of averaging, for a standard error to mean anything
-  int runs = 0;                   ///< made so far
+  double usable = 0.0;            ///< of averaging, for a standard error to mean anything
+  double least = 0.0;             ///< of averaging to plan a run for, at least `usable`
+  int runs = 0;                   ///< that count, so far
+  int failures = 0;
 
   /// Wall time of a run that averages this long, start and reserve included [s].
   double seconds(double averaging) const;
@@ -28,9 +30,10 @@ struct BudgetCandidate {
 /// Every condition that the law can be fitted to, its cost measured by a short run.
 std::vector<BudgetCandidate> budget_candidates(const std::vector<io::PlannedRun>& planned);
 
-/// The scene of the next run of a candidate: as many seeds on as it has runs.
+/// The scene of a run of a candidate, this many seeds on from that of its scene.
 io::SceneFile budget_scene(const BudgetCandidate& candidate,
                            const std::string& name,
-                           double averaging);
+                           double averaging,
+                           std::size_t seeds_on);
 
 }  // namespace grainlaw

@@ -17,10 +17,10 @@ using calibration::State;
 
 /// Part of the time after the first round that goes to lack of fit and repeats.
 constexpr double exploring_part = 0.3;
+/// Puts candidates that do not fit a run behind all that do.
+constexpr double too_dear = 1e9;
 /// Part of a run that may be warm-up where the time is enough for a further round.
 constexpr double warm_up_part = 0.2;
-/// Runs do not always go as fast as those they were timed by.
-constexpr double pace_reserve = 1.1;
 
 std::vector<std::vector<double>> places_of(const std::vector<BudgetCandidate>& candidates) {
   std::vector<std::vector<double>> places;
@@ -33,17 +33,10 @@ std::vector<std::vector<double>> places_of(const std::vector<BudgetCandidate>& c
 BudgetPlanner::BudgetPlanner(const io::Campaign& campaign,
                              std::vector<BudgetCandidate> candidates,
                              int processes)
-    : campaign_(campaign),
-      candidates_(std::move(candidates)),
-      processes_(processes),
-      pace_(pace_reserve) {
+    : campaign_(campaign), candidates_(std::move(candidates)), processes_(processes) {
   const auto places = places_of(candidates_);
   order_ = calibration::spread_order(places);
   first_runs_ = static_cast<std::size_t>(2 * calibration::varied_coordinates(places) + 1);
-}
-
-void BudgetPlanner::set_pace(double pace) {
-  pace_ = pace_reserve * pace;
 }
 
 bool BudgetPlanner::learn(const continuum::RheologyTable& table,
@@ -103,7 +96,7 @@ FirstRound BudgetPlanner::first_round(double seconds_left) const {
 }
 
 /// Half of what is left, or all of it where warm-ups would take too much of the half. 0: no run
-/// fits.
+/// fits. Without a law yet nothing is lost by runs that may be cut off.
 double BudgetPlanner::next_run_seconds(double seconds_left) const {
   const double all = seconds_left / pace_;
   const auto fits = [](double seconds) {
@@ -113,7 +106,7 @@ double BudgetPlanner::next_run_seconds(double seconds_left) const {
     const double warm_up = one.warm_up * one.seconds_per_unit;
     return !one.fits(all) || (one.fits(0.5 * all) && warm_up <= warm_up_part * 0.5 * all);
   };
-  if (!std::ranges::any_of(candidates_, fits(all))) return 0.0;
+  if (!std::ranges::any_of(candidates_, fits(all))) return table_ ? 0.0 : all;
   return std::ranges::all_of(candidates_, worthwhile) ? 0.5 * all : all;
 }
 
@@ -125,7 +118,8 @@ std::vector<PlannedSpending> BudgetPlanner::next_round(double seconds_left) {
   for (int process = 0; process < processes_; ++process) {
     const bool exploring = !table_ || explored_ < exploring_part * (later_ + seconds);
     const std::size_t k = exploring ? least_run(seconds, runs) : most_wanted(seconds, told);
-    const double averaging = candidates_[k].averaging(seconds);
+    const double averaging = std::max(candidates_[k].least, candidates_[k].averaging(seconds));
+    if (!std::isfinite(averaging)) break;  // no candidate is left
     runs.push_back({k, averaging, exploring ? "lack of fit" : "largest gain"});
     later_ += seconds;
     explored_ += exploring ? seconds : 0.0;
@@ -134,13 +128,13 @@ std::vector<PlannedSpending> BudgetPlanner::next_round(double seconds_left) {
   return runs;
 }
 
-/// Of those with the fewest runs the one that is farthest from the others.
+/// Of those with the fewest runs the one that is farthest from the others, dearer ones last.
 std::size_t BudgetPlanner::least_run(double seconds,
                                      const std::vector<PlannedSpending>& chosen) const {
   const auto runs = [&](std::size_t k) {
     const auto now = std::ranges::count(chosen, k, &PlannedSpending::candidate);
-    return candidates_[k].fits(seconds) ? static_cast<double>(candidates_[k].runs + now)
-                                        : std::numeric_limits<double>::infinity();
+    const double few = static_cast<double>(candidates_[k].runs + now);
+    return candidates_[k].fits(seconds) ? few : few + candidates_[k].least * too_dear;
   };
   return *std::ranges::min_element(order_, {}, runs);
 }
@@ -158,15 +152,33 @@ std::size_t BudgetPlanner::most_wanted(double seconds, const std::vector<Told>& 
   }
   if (open.empty()) return least_run(seconds, {});
   const std::vector<std::string> names = calibration::friction_coefficients(*table_);
-  std::vector<Observation> known;
-  for (const Told& one : told) known.push_back(one.observation);
   return places[calibration::most_wanted(*table_,
                                          names,
                                          open,
                                          target_gradients(names, open),
-                                         calibration::information_of(*table_, names, known),
+                                         information(names, told),
                                          seconds,
                                          seconds * processes_)];
+}
+
+std::vector<double> BudgetPlanner::information(const std::vector<std::string>& names,
+                                               const std::vector<Told>& told) const {
+  std::vector<Observation> observations;
+  for (const Told& one : told) observations.push_back(one.observation);
+  return calibration::information_of(*table_, names, observations);
+}
+
+dem::Estimate BudgetPlanner::surface_velocity(double tilt) const {
+  dem::Estimate velocity = calibration::surface_velocity(*table_, target(tilt));
+  const std::vector<std::string> names = calibration::friction_coefficients(*table_);
+  const auto gradient = calibration::velocity_gradient(*table_, names, target(tilt));
+  if (gradient.empty()) return velocity;
+  const std::vector<std::vector<double>> one{gradient};
+  const double variance = calibration::mean_variance(one, information(names, told_));
+  if (std::isfinite(variance)) {
+    velocity.error = std::max(velocity.error, velocity.value * std::sqrt(variance));
+  }
+  return velocity;
 }
 
 /// Of the targets that flow; where none does, mu at every candidate.

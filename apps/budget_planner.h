@@ -36,7 +36,7 @@ class BudgetPlanner {
 
   std::vector<BudgetCandidate>& candidates() { return candidates_; }
   /// Wall time of runs over the expected one, as seen last.
-  void set_pace(double pace);
+  void set_pace(double pace) { pace_ = pace; }
 
   /// A law and the runs it was fitted to. False: nothing can be planned by it.
   bool learn(const continuum::RheologyTable& table, std::span<const MeasuredRun> runs);
@@ -47,6 +47,10 @@ class BudgetPlanner {
 
   /// One run for every process, all of the same wall time; none where the time left is too short.
   std::vector<PlannedSpending> next_round(double seconds_left);
+
+  /// u_s at a tilt with its standard error: that of the table, or, where it is larger, that of the
+  /// plan, which holds a curvature that the fit has left out too. Call after learn().
+  dem::Estimate surface_velocity(double tilt) const;
 
   /// The chute of a tilt that is to be predicted.
   continuum::ChuteCase target(double tilt) const;
@@ -69,6 +73,8 @@ class BudgetPlanner {
       const std::vector<std::string>& names, std::span<const calibration::Candidate> open) const;
   std::optional<calibration::State> state_of(const BudgetCandidate& candidate) const;
   calibration::Observation observation(const dem::LocalData& run) const;
+  std::vector<double> information(const std::vector<std::string>& names,
+                                  const std::vector<Told>& told) const;
   double noise(std::size_t candidate) const;
   Told expected(std::size_t candidate, double averaging) const;
 
@@ -77,7 +83,7 @@ class BudgetPlanner {
   int processes_;
   std::vector<std::size_t> order_;  ///< in which the candidates cover their space
   std::size_t first_runs_ = fewest_runs;
-  double pace_;
+  double pace_ = 1.0;
   double later_ = 0.0;     ///< seconds of runs after the first round
   double explored_ = 0.0;  ///< of them, for lack of fit and repeats
   std::optional<continuum::RheologyTable> table_;

@@ -229,23 +229,26 @@ std::optional<Reference> reference_of(const io::Campaign& campaign, const Argume
   return Reference{fs::path(arguments.reference).stem().string(), std::move(table)};
 }
 
-/// From finished runs, or from runs of its own: as many as the budget allows, where there is one.
-CampaignData data_of(const io::Campaign& campaign,
-                     const Arguments& arguments,
-                     const CommonOptions& options,
-                     std::optional<report::BudgetReport>& budget) {
-  if (arguments.budget > 0.0) {
-    BudgetOutcome outcome = measure_within(campaign,
-                                           arguments.output,
-                                           {.seconds = arguments.budget,
-                                            .processes = options.threads,
-                                            .from = arguments.from,
-                                            .quiet = options.quiet});
-    budget = std::move(outcome.report);
-    return std::move(outcome.data);
+/// From data to table and report.
+Summary conclude(const io::Campaign& campaign,
+                 const Arguments& arguments,
+                 const std::optional<Reference>& reference,
+                 CampaignData data,
+                 std::optional<report::BudgetReport> budget) {
+  Summary summary;
+  add_run_lines(summary, data);
+  for (const io::RunRecord& record : data.imported) add_checks(summary, record);
+  const fs::path directory = arguments.output;
+  if (campaign.series.empty()) {
+    report::Report report = evaluate(campaign, std::move(data), directory, reference);
+    if (budget) add_budget_lines(summary, *budget);
+    report.budget = std::move(budget);
+    write_results(report, directory, summary);
+  } else {
+    write_results(evaluate_series(campaign, std::move(data), reference), directory, summary);
   }
-  if (!arguments.from.empty()) return gather(campaign, arguments.from);
-  return measure(campaign, arguments.output, options.threads, options.quiet);
+  summary.add("report", "report", (directory / "report.html").string());
+  return summary;
 }
 
 ExitCode run(const io::Campaign& campaign,
@@ -256,7 +259,24 @@ ExitCode run(const io::Campaign& campaign,
   const DirectoryLock lock(directory);
   catch_stop_signals(arguments.max_wall);
   std::optional<report::BudgetReport> budget;
-  CampaignData data = data_of(campaign, arguments, options, budget);
+  CampaignData data;
+  if (arguments.budget > 0.0) {
+    const auto write = [&](const CampaignData& now, const report::BudgetReport& spent) {
+      conclude(campaign, arguments, reference, now, spent);
+    };
+    BudgetOutcome outcome = measure_within(campaign,
+                                           directory,
+                                           {.seconds = arguments.budget,
+                                            .processes = options.threads,
+                                            .from = arguments.from,
+                                            .quiet = options.quiet,
+                                            .write_report = write});
+    budget = std::move(outcome.report);
+    data = std::move(outcome.data);
+  } else {
+    data = arguments.from.empty() ? measure(campaign, directory, options.threads, options.quiet)
+                                  : gather(campaign, arguments.from);
+  }
   if (stop_requested()) {
     say(fmt::format("grainlaw calibrate: stopped {}; the same command goes on with the runs in {}",
                     stop_reason(),
@@ -266,19 +286,7 @@ ExitCode run(const io::Campaign& campaign,
   warn_of_few_samples(data);
   for (const std::string& warning : data.warnings) say("warning: " + warning);
   store_imported(data.imported, directory / "runs", arguments.from);
-  Summary summary;
-  add_run_lines(summary, data);
-  for (const io::RunRecord& record : data.imported) add_checks(summary, record);
-  if (campaign.series.empty()) {
-    report::Report report = evaluate(campaign, std::move(data), directory, reference);
-    if (budget) add_budget_lines(summary, *budget);
-    report.budget = std::move(budget);
-    write_results(report, directory, summary);
-  } else {
-    write_results(evaluate_series(campaign, std::move(data), reference), directory, summary);
-  }
-  summary.add("report", "report", (directory / "report.html").string());
-  print(summary, options);
+  print(conclude(campaign, arguments, reference, std::move(data), std::move(budget)), options);
   return ExitCode::answered;
 }
 

@@ -20,26 +20,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The chute with the profile that the table predicts as its start; without one, from rest.
-void start_from_prediction(io::SceneFile& file,
-                           const fs::path& table_path,
-                           const fs::path& directory,
-                           std::vector<std::string>& warnings) {
-  const auto table = io::in_grain_units(io::read_table(table_path), file.units);
-  const auto steady = continuum::steady_chute(table, chute_case(dem::conditions(file.scene)));
-  if (!continuum::flows(steady.answer.outcome)) {
-    warnings.push_back(fmt::format("{} starts from rest: {} predicts {}",
-                                   file.scene.name,
-                                   table_path.filename().string(),
-                                   name(steady.answer.outcome)));
-    return;
-  }
-  const fs::path csv = fs::absolute(directory / (file.scene.name + ".csv"));
-  io::safe_write(csv, io::profile_csv(steady.profile, steady.answer, file.units));
-  const io::Override start{"start", "profile", io::start_value(csv)};
-  file = io::parse_scene(io::with_values(file.text, {start}), file.path);
-}
-
 std::string describe(const io::RunRecord& record) {
   const dem::LocalData& data = record.data;
   if (data.conditions.geometry != "simple_shear" || data.rows.empty()) return "";
@@ -81,6 +61,17 @@ std::vector<std::string> files_of(const std::vector<std::string>& from) {
 
 }  // namespace
 
+std::optional<io::SceneFile> started_from(const io::SceneFile& file,
+                                          const continuum::RheologyTable& table,
+                                          const fs::path& directory) {
+  const auto steady = continuum::steady_chute(table, chute_case(dem::conditions(file.scene)));
+  if (!continuum::flows(steady.answer.outcome)) return std::nullopt;
+  const fs::path csv = fs::absolute(directory / (file.scene.name + ".csv"));
+  io::safe_write(csv, io::profile_csv(steady.profile, steady.answer, file.units));
+  const io::Override start{"start", "profile", io::start_value(csv)};
+  return io::parse_scene(io::with_values(file.text, {start}), file.path);
+}
+
 std::vector<dem::LocalData> CampaignData::fitted() const {
   std::vector<dem::LocalData> data;
   for (const MeasuredRun& run : runs) {
@@ -108,7 +99,14 @@ std::vector<io::PlannedRun> runs_with_starts(const io::Campaign& campaign,
   fs::create_directories(starts);
   for (io::PlannedRun& run : runs) {
     if (!std::holds_alternative<dem::Chute>(run.file.scene.geometry)) continue;
-    start_from_prediction(run.file, campaign.start_table, starts, warnings);
+    const auto table = io::in_grain_units(io::read_table(campaign.start_table), run.file.units);
+    if (auto started = started_from(run.file, table, starts)) {
+      run.file = std::move(*started);
+    } else {
+      warnings.push_back(fmt::format("{} starts from rest: {} lets it rest",
+                                     run.file.scene.name,
+                                     campaign.start_table.filename().string()));
+    }
   }
   return runs;
 }

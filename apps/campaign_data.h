@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -38,6 +39,12 @@ struct CampaignData {
 std::vector<io::PlannedRun> runs_with_starts(const io::Campaign& campaign,
                                              const std::filesystem::path& directory,
                                              std::vector<std::string>& warnings);
+
+/// The chute with the velocity profile that the law predicts for it as its start, written to
+/// DIR/NAME.csv; absent where the law lets it rest. Throws io::FileError.
+std::optional<io::SceneFile> started_from(const io::SceneFile& file,
+                                          const continuum::RheologyTable& table,
+                                          const std::filesystem::path& directory);
 
 /// Makes the runs of a campaign in DIR/runs, `processes` at a time; see run_scenes. After a stop
 /// (signal, --max-wall) the data are not complete.

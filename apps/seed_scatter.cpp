@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <string_view>
 
 #include "calibration/observations.h"
@@ -13,15 +14,19 @@ namespace {
 
 using calibration::FlowPoint;
 
-/// Mean of independent runs, with its error.
-dem::Estimate mean(const std::vector<dem::Estimate>& values) {
-  const auto count = static_cast<double>(values.size());
+/// Mean of independent runs by their shares, which sum to 1, with its error.
+dem::Estimate mean(const std::vector<dem::Estimate>& values, const std::vector<double>& shares) {
   double sum = 0.0, variance = 0.0;
-  for (const dem::Estimate& value : values) {
-    sum += value.value / count;
-    variance += value.error * value.error / (count * count);
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    sum += shares[k] * values[k].value;
+    variance += std::pow(shares[k] * values[k].error, 2);
   }
   return {sum, std::sqrt(variance)};
+}
+
+/// The same of runs that count alike.
+dem::Estimate mean(const std::vector<dem::Estimate>& values) {
+  return mean(values, std::vector(values.size(), 1.0 / static_cast<double>(values.size())));
 }
 
 /// Standard deviation of the values, by n - 1.
@@ -32,8 +37,13 @@ double scatter(const std::vector<dem::Estimate>& values) {
   return std::sqrt(sum / (static_cast<double>(values.size()) - 1.0));
 }
 
-FlowPoint mean_point(const std::vector<FlowPoint>& points, const std::string& condition) {
+/// Every run by the time it was averaged over: the error of its time mean falls with its root.
+FlowPoint mean_point(const std::vector<FlowPoint>& points,
+                     std::vector<double> times,
+                     const std::string& condition) {
   if (points.size() == 1) return points.front();
+  const double total = std::accumulate(times.begin(), times.end(), 0.0);
+  for (double& time : times) time /= total;
   FlowPoint result = points.front();
   result.name = condition;
   for (const auto field : {&FlowPoint::friction,
@@ -43,7 +53,7 @@ FlowPoint mean_point(const std::vector<FlowPoint>& points, const std::string& co
                            &FlowPoint::mass_below}) {
     std::vector<dem::Estimate> values;
     for (const FlowPoint& point : points) values.push_back(point.*field);
-    result.*field = mean(values);
+    result.*field = mean(values, times);
   }
   for (auto point = points.begin() + 1; point != points.end(); ++point) {
     result.softness_lower = std::min(result.softness_lower, point->softness_lower);
@@ -85,15 +95,23 @@ std::map<std::string, std::vector<Numbers>> numbers_by_condition(const CampaignD
 }  // namespace
 
 std::vector<FlowPoint> mean_points(const CampaignData& data) {
-  std::vector<std::pair<std::string, std::vector<FlowPoint>>> groups;
+  struct Group {
+    std::string condition;
+    std::vector<FlowPoint> points;
+    std::vector<double> times;
+  };
+  std::vector<Group> groups;
   for (const MeasuredRun& run : data.runs) {
     if (!run.fitted) continue;
-    auto group = std::ranges::find(groups, run.condition, &decltype(groups)::value_type::first);
-    if (group == groups.end()) group = groups.insert(group, {run.condition, {}});
-    group->second.push_back(calibration::flow_point(run.data));
+    auto group = std::ranges::find(groups, run.condition, &Group::condition);
+    if (group == groups.end()) group = groups.insert(group, {run.condition, {}, {}});
+    group->points.push_back(calibration::flow_point(run.data));
+    group->times.push_back(run.data.window.end - run.data.window.begin);
   }
   std::vector<FlowPoint> means;
-  for (const auto& [condition, points] : groups) means.push_back(mean_point(points, condition));
+  for (const Group& group : groups) {
+    means.push_back(mean_point(group.points, group.times, group.condition));
+  }
   return means;
 }
 

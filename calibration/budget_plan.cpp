@@ -19,6 +19,9 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 /// can feel, and far above the rounding of the quadrature (1e-13).
 constexpr double relative_step = 1e-5;
 
+/// Standard error of a curvature that no data have told yet; see information_of.
+constexpr double unknown_kappa = 4.0;
+
 /// Every coordinate from 0 to 1; 0 where it does not vary.
 Places scaled(const Places& places) {
   Places result = places;
@@ -63,6 +66,12 @@ double friction_at(const RheologyTable& table, const State& state) {
   const continuum::Confinement at{.softness = (1.0 + state.bond_number) * state.softness,
                                   .bond_number = state.bond_number};
   return continuum::friction(law_of(table), state.inertial_number, at);
+}
+
+/// The law could be curved, and the fit took it for straight.
+bool left_out_kappa(const RheologyTable& table) {
+  const auto& law = law_of(table).friction;
+  return law.kappa == 0.0 && !law.exponent;
 }
 
 /// Forward differences of a number that follows from the table.
@@ -130,6 +139,8 @@ std::vector<std::string> friction_coefficients(const RheologyTable& table) {
       names.push_back(name);
     }
   }
+  const bool has_kappa = std::ranges::find(names, "kappa") != names.end();
+  if (!names.empty() && !has_kappa && left_out_kappa(table)) names.push_back("kappa");
   return names;
 }
 
@@ -177,6 +188,9 @@ std::vector<double> information_of(const RheologyTable& table,
                                    std::span<const Observation> observations) {
   const std::size_t size = coefficients.size();
   std::vector<double> information(size * size, 0.0);
+  for (std::size_t i = 0; i < size && left_out_kappa(table); ++i) {
+    if (coefficients[i] == "kappa") information[i * size + i] = std::pow(unknown_kappa, -2);
+  }
   for (const Observation& one : observations) {
     const std::vector<double> g = friction_gradient(table, coefficients, one.state);
     for (std::size_t i = 0; i < size; ++i) {

@@ -20,7 +20,9 @@ std::vector<std::size_t> spread_order(const std::vector<std::vector<double>>& pl
 /// How many coordinates of the places vary.
 int varied_coordinates(const std::vector<std::vector<double>>& places);
 
-/// The coefficients of mu(I, p*, Bo) that a table states errors of: what further runs can improve.
+/// The coefficients of mu(I, p*, Bo) that further runs can improve: those the table states errors
+/// of, and kappa where a fit left it out (a law without exponent): data too few to tell a curvature
+/// do not make the law straight. Empty for a table without errors.
 std::vector<std::string> friction_coefficients(const continuum::RheologyTable& table);
 
 /// Derivatives of mu at a state by these coefficients of the table.
@@ -59,7 +61,10 @@ struct Observation {
   double error = 0.0;  ///< effective, of mu
 };
 
-/// Sum of g g^T / s^2 over the observations (row-major), g the gradients of mu.
+/// Sum of g g^T / s^2 over the observations (row-major), g the gradients of mu. Of a kappa that the
+/// fit left out no more is known beforehand than that it is 0 within 4: 1/I_mu is 1.4 for spheres
+/// of mu_p = 0.5 (Shi et al. 2020, Table 7), 3.6 for glass beads (Jop et al., Nature 441 (2006)
+/// 727).
 std::vector<double> information_of(const continuum::RheologyTable& table,
                                    const std::vector<std::string>& coefficients,
                                    std::span<const Observation> observations);

@@ -16,6 +16,7 @@ constexpr std::string_view series_name = "series";
 struct Keys {
   Campaign campaign;
   std::string scene;
+  std::optional<std::string> calibrate_scene;
   std::vector<std::string> box_scenes;
   std::vector<Section> boxes;
   std::vector<Section> series;
@@ -142,6 +143,10 @@ Keys read_keys(InputFile& in) {
       {"title", "of the report"}, in.path().stem().string(), "name of the file");
   const Key scene{"scene", "chute that is tilted, relative to this file"};
   keys.scene = top.find<std::string>(scene, "required with [tilts]").value_or("");
+  const Key calibrate{"calibrate_scene",
+                      "chute of the same grains and base for the tilts to calibrate, where that "
+                      "is another than the one to predict, relative to this file"};
+  keys.calibrate_scene = top.find<std::string>(calibrate, "scene");
   campaign.seeds =
       top.find<std::vector<std::int64_t>>(
              {"seeds",
@@ -171,6 +176,9 @@ Keys read_keys(InputFile& in) {
   const bool with_boxes = !keys.boxes.empty();
   read_tilt_keys(in, with_boxes, !keys.series.empty(), campaign);
   if (in.optional_section("tilts", "").given()) top.report_missing(scene);
+  if (keys.calibrate_scene && campaign.calibrate_tilts.empty()) {
+    top.problem("calibrate_scene", "there are no [tilts] to calibrate at");
+  }
   if (top.has("scene") && with_boxes && campaign.predict_tilts.empty()) {
     top.problem("scene", "'scene' is a chute to tilt, and there are no [tilts] to predict");
   }
@@ -189,14 +197,21 @@ SceneFile scene_of(const InputFile& in,
   }
 }
 
-void require_chute(const InputFile& in, const SceneFile& file) {
+void require_chute(const InputFile& in, const SceneFile& file, std::string_view key) {
   const dem::Geometry& geometry = file.scene.geometry;
   if (std::holds_alternative<dem::Chute>(geometry)) return;
   throw InputError(in.message("",
-                              "scene",
+                              key,
                               fmt::format("a campaign tilts a chute, and this scene is a {}: run "
                                           "it with grainlaw dem",
                                           dem::kind(geometry))));
+}
+
+void require_one_tilt(const InputFile& in, const SceneFile& file, std::string_view key) {
+  const auto* chute = std::get_if<dem::Chute>(&file.scene.geometry);
+  if (chute == nullptr || chute->tilts.empty()) return;
+  throw InputError(in.message(
+      "", key, "a run of a campaign has one tilt, and this scene changes it: leave out tilts"));
 }
 
 void require_box(const InputFile& in, const std::string& section, const ShearBoxes& boxes) {
@@ -234,17 +249,19 @@ double sliding_coefficient(const dem::Scene& scene) {
 /// One law belongs to one kind of grains.
 void require_same_grains(const InputFile& in,
                          const std::string& section,
-                         const Campaign& campaign) {
-  const dem::Scene& first = campaign.shear_boxes.front().scene.scene;
-  const dem::Scene& other = campaign.shear_boxes.back().scene.scene;
+                         std::string_view key,
+                         const dem::Scene& first,
+                         const dem::Scene& other,
+                         std::string_view which) {
   if (sliding_coefficient(first) == sliding_coefficient(other) &&
       first.grains.size_ratio == other.grains.size_ratio) {
     return;
   }
   throw InputError(in.message(section,
-                              "scene",
-                              "the grains are not those of the first boxes (contact friction, "
-                              "size_ratio): one law belongs to one kind of grains"));
+                              key,
+                              fmt::format("the grains are not those {} (contact friction, "
+                                          "size_ratio): one law belongs to one kind of grains",
+                                          which)));
 }
 
 void require_chute_of_series(const InputFile& in,
@@ -269,7 +286,17 @@ void read_scenes(const InputFile& in, const Keys& keys, Campaign& campaign) {
   read_series_scenes(in, keys, campaign);
   if (!keys.scene.empty()) {
     campaign.scene = scene_of(in, "", keys.scene);
-    require_chute(in, campaign.scene);
+    require_chute(in, campaign.scene, "scene");
+  }
+  if (keys.calibrate_scene) {
+    campaign.calibrate_scene = scene_of(in, "", *keys.calibrate_scene, "calibrate_scene");
+    require_chute(in, *campaign.calibrate_scene, "calibrate_scene");
+    require_same_grains(in,
+                        "",
+                        "calibrate_scene",
+                        campaign.scene.scene,
+                        campaign.calibrate_scene->scene,
+                        "of the chute to predict");
   }
   std::vector<ShearBoxes> boxes = std::move(campaign.shear_boxes);
   campaign.shear_boxes.clear();
@@ -278,7 +305,12 @@ void read_scenes(const InputFile& in, const Keys& keys, Campaign& campaign) {
     boxes[k].scene = scene_of(in, section, keys.box_scenes[k]);
     require_box(in, section, boxes[k]);
     campaign.shear_boxes.push_back(std::move(boxes[k]));
-    require_same_grains(in, section, campaign);
+    require_same_grains(in,
+                        section,
+                        "scene",
+                        campaign.shear_boxes.front().scene.scene,
+                        campaign.shear_boxes.back().scene.scene,
+                        "of the first boxes");
   }
 }
 
@@ -307,13 +339,8 @@ Campaign read_campaign(const std::filesystem::path& path) {
   } catch (const InputError& error) {
     throw InputError(in.message("", "", error.what()));
   }
-  const auto* chute = std::get_if<dem::Chute>(&campaign.scene.scene.geometry);
-  if (chute != nullptr && !chute->tilts.empty()) {
-    throw InputError(
-        in.message("",
-                   "scene",
-                   "a run of a campaign has one tilt, and this scene changes it: leave out tilts"));
-  }
+  require_one_tilt(in, campaign.scene, "scene");
+  if (campaign.calibrate_scene) require_one_tilt(in, *campaign.calibrate_scene, "calibrate_scene");
   return campaign;
 }
 

@@ -30,9 +30,10 @@ struct ChuteSeries {
 /// of the calibration tilts.
 struct Campaign {
   std::string title;
-  SceneFile scene;                      ///< of the chutes; nothing without tilts
-  std::vector<double> calibrate_tilts;  ///< [rad], as in the file
-  std::vector<double> predict_tilts;    ///< [rad]
+  SceneFile scene;                           ///< of the chutes; nothing without tilts
+  std::optional<SceneFile> calibrate_scene;  ///< of the calibration tilts; absent: `scene`
+  std::vector<double> calibrate_tilts;       ///< [rad], as in the file
+  std::vector<double> predict_tilts;         ///< [rad]
   std::vector<ShearBoxes> shear_boxes;
   std::vector<ChuteSeries> series;      ///< instead of tilts and boxes: no law is fitted to them
   std::vector<std::int64_t> seeds;      ///< each run once per seed; empty: the seed of the scene

@@ -182,14 +182,26 @@ std::vector<PlannedRun> box_runs(const Campaign& campaign) {
   return runs;
 }
 
-PlannedRun chute_run(const Campaign& campaign, double tilt, bool fitted) {
-  SceneFile file = scene_at(campaign, tilt);
+SceneFile tilted(const SceneFile& scene, double tilt) {
+  SceneFile file = scene;
+  std::get<dem::Chute>(file.scene.geometry).inclination = tilt;
+  file.scene.name = run_name(tilt);
+  restate(file,
+          {{"", "name", in_quotes(file.scene.name)},
+           {"geometry",
+            "inclination",
+            fmt::format("{}", exact_degrees(tilt).value_or(degrees(tilt)))}});
+  return file;
+}
+
+PlannedRun chute_run(const SceneFile& scene, double tilt, bool fitted) {
+  SceneFile file = tilted(scene, tilt);
   const std::string name = file.scene.name;
-  const std::string text = with_values(file.text, absolute_start(campaign.scene));
-  SceneFile again = reread(campaign.scene, text, name);
+  const std::string text = with_values(file.text, absolute_start(scene));
+  SceneFile again = reread(scene, text, name);
   const auto* chute = std::get_if<dem::Chute>(&again.scene.geometry);
   if (again.scene.name != name || chute == nullptr || chute->inclination != tilt) {
-    refuse_text(campaign.scene, name);
+    refuse_text(scene, name);
   }
   return {std::move(again), name, fitted};
 }
@@ -251,15 +263,7 @@ std::string start_value(const std::filesystem::path& path) {
 }
 
 SceneFile scene_at(const Campaign& campaign, double tilt) {
-  SceneFile file = campaign.scene;
-  std::get<dem::Chute>(file.scene.geometry).inclination = tilt;
-  file.scene.name = run_name(tilt);
-  restate(file,
-          {{"", "name", in_quotes(file.scene.name)},
-           {"geometry",
-            "inclination",
-            fmt::format("{}", exact_degrees(tilt).value_or(degrees(tilt)))}});
-  return file;
+  return tilted(campaign.scene, tilt);
 }
 
 std::vector<PlannedRun> planned_runs(const Campaign& campaign) {
@@ -267,9 +271,14 @@ std::vector<PlannedRun> planned_runs(const Campaign& campaign) {
   for (const ChuteSeries& series : campaign.series) {
     for (const SceneFile& file : series.scenes) runs.push_back(series_run(file));
   }
-  for (const double tilt : campaign.calibrate_tilts)
-    runs.push_back(chute_run(campaign, tilt, true));
-  for (const double tilt : campaign.predict_tilts) runs.push_back(chute_run(campaign, tilt, false));
+  const SceneFile& calibrated =
+      campaign.calibrate_scene ? *campaign.calibrate_scene : campaign.scene;
+  for (const double tilt : campaign.calibrate_tilts) {
+    runs.push_back(chute_run(calibrated, tilt, true));
+  }
+  for (const double tilt : campaign.predict_tilts) {
+    runs.push_back(chute_run(campaign.scene, tilt, false));
+  }
   if (!campaign.seeds.empty()) {
     std::vector<PlannedRun> seeded;
     for (const PlannedRun& run : runs) {

@@ -40,7 +40,7 @@ std::string run_name(const BoxState& state);
 /// texts of runs with different starts differ.
 std::string start_value(const std::filesystem::path& path);
 
-/// The scene of a campaign at one tilt [rad], named run_name(tilt); its text says the same.
+/// The scene to predict at one tilt [rad], named run_name(tilt); its text says the same.
 SceneFile scene_at(const Campaign& campaign, double tilt);
 
 }  // namespace grainlaw::io

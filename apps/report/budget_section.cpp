@@ -130,7 +130,8 @@ Html budget_section(const BudgetReport& budget,
                     const Pictures& pictures) {
   Table rounds{.caption =
                    "Predicted: standard error of the surface velocity by the covariance of "
-                   "the law at that time. Reached: relative L2 error of the velocity "
+                   "the law at that time, and by a curvature it may have left out. Reached: "
+                   "relative L2 error of the velocity "
                    "against a chute measured outside the budget."_html,
                .head = head(budget),
                .rows = {},

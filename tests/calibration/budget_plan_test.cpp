@@ -25,6 +25,7 @@ continuum::ChuteCase chute_of(double tilt) {
 }
 
 const std::vector<std::string> both{"mu0", "beta"};
+const std::vector<std::string> curved{"mu0", "beta", "kappa"};
 
 TEST(BudgetPlan, PlacesOnALineAreTakenFromTheEndsInwards) {
   const std::vector<std::vector<double>> places{{0.0}, {1.0}, {2.0}, {3.0}, {4.0}};
@@ -47,11 +48,17 @@ TEST(BudgetPlan, PlacesOfDifferentLengthAreRefused) {
   EXPECT_THROW(spread_order({{0.0}, {1.0, 2.0}}), std::invalid_argument);
 }
 
-TEST(BudgetPlan, OnlyFrictionThatHasAnErrorCanBeImproved) {
-  EXPECT_EQ(friction_coefficients(straight_law()), both);
+TEST(BudgetPlan, FrictionThatHasAnErrorCanBeImprovedAndACurvatureThatWasLeftOut) {
+  EXPECT_EQ(friction_coefficients(straight_law()), curved);
   continuum::RheologyTable exact = straight_law();
   exact.covariance.reset();
   EXPECT_TRUE(friction_coefficients(exact).empty());
+}
+
+TEST(BudgetPlan, APowerLawIsNotCurvedTwice) {
+  continuum::RheologyTable power = straight_law();
+  std::get<continuum::MuPhi>(power.law).friction.exponent = 0.8;
+  EXPECT_EQ(friction_coefficients(power), both);
 }
 
 TEST(BudgetPlan, GradientOfAStraightLawIsOneAndI) {
@@ -115,6 +122,20 @@ TEST(BudgetPlan, TheEndThatWasMeasuredWorseIsWantedMost) {
   const Observation high{{.inertial_number = 0.3}, 1e-2};
   // mu(0.02) is known: what is left unknown of mu(0.1) is the slope, best seen far away.
   EXPECT_EQ(wanted(boxes(), {low, high}), 2u);
+}
+
+TEST(BudgetPlan, TwoPointsDoNotTellALawBetweenThemThatMayBeCurved) {
+  // The ends are known exactly. The chord of I^2 through them is 0.32 I - 0.006 = 0.026 at I = 0.1,
+  // where I^2 = 0.01: kappa = 4 moves mu there by beta x 0.016 x 4.
+  const Observation low{{.inertial_number = 0.02}, 1e-6};
+  const Observation high{{.inertial_number = 0.3}, 1e-6};
+  const std::vector<Observation> told{low, high};
+  const auto known = information_of(straight_law(), curved, told);
+  const auto g = friction_gradient(straight_law(), curved, {.inertial_number = 0.1});
+  const std::vector<std::vector<double>> target{g};
+  // The ends leave an error of 1e-6 each.
+  EXPECT_NEAR(std::sqrt(mean_variance(target, known)), 0.6 * 0.016 * 4.0, 1e-5);
+  EXPECT_EQ(most_wanted(straight_law(), curved, boxes(), target, known, 10.0, 10.0), 1u);
 }
 
 TEST(BudgetPlan, ACandidateWhoseWarmUpFillsTheRunIsPassedOver) {

@@ -190,6 +190,23 @@ TEST(CampaignScenes, ChutesBesideBoxesAreOnlyPredicted) {
   EXPECT_FALSE(runs[1].fitted);
 }
 
+TEST(CampaignScenes, TiltsToCalibrateMayHaveASceneOfTheirOwn) {
+  const TemporaryDirectory directory;
+  const auto runs =
+      runs_of(directory,
+              "scene = \"" + (data / "campaigns/deep_chute/scene.toml").string() + "\"\n" +
+                  "calibrate_scene = \"" + (data / "scenes/chute.toml").string() + "\"\n" +
+                  "[tilts]\ncalibrate = [22, 25]\npredict = [24]\n");
+  const auto grains = [](const std::string& scene) {
+    return dem::grains(read_scene(data / scene).scene);
+  };
+  EXPECT_EQ(names(runs), (Names{"theta22", "theta25", "theta24"}));
+  EXPECT_EQ(dem::grains(runs[0].file.scene), grains("scenes/chute.toml"));
+  EXPECT_EQ(dem::grains(runs[2].file.scene), grains("campaigns/deep_chute/scene.toml"));
+  EXPECT_TRUE(runs[1].fitted);
+  EXPECT_FALSE(runs[2].fitted);
+}
+
 TEST(CampaignScenes, StartFilesAreNamedFromTheRootWithTheirContent) {
   const TemporaryDirectory directory;
   const std::string keys =
