@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "apps/report/numbers.h"
+#include "apps/report/typeset.h"
 
 namespace grainlaw::report {
 namespace {
@@ -77,24 +78,45 @@ Html one_value(const CohesionSeries& cohesion) {
                           significant(one.chance, 2))
                     : ".";
   }
-  return paragraph(text(sentence));
+  return paragraph(typeset(sentence));
+}
+
+/// Xi at h/2 of one run, beside its yield stress.
+const calibration::ContactPoint* ratio_of(const SeriesReport& series, const std::string& run) {
+  const auto found =
+      std::ranges::find(series.contacts.points, run, &calibration::ContactPoint::name);
+  return found == series.contacts.points.end() ? nullptr : &*found;
 }
 
 /// Points of one tilt, by attraction.
-Csv points_csv(const CohesionSeries& cohesion, double inclination) {
-  Csv csv{
-      .columns = {"fa", "tau_c weight", "tau_c weight error", "tau_c pairs", "tau_c pairs error"},
-      .rows = {}};
-  for (const CohesivePoint& point : cohesion.points) {
+Csv points_csv(const SeriesReport& series, double inclination) {
+  Csv csv{.columns = {"fa",
+                      "tau_c weight",
+                      "tau_c weight error",
+                      "tau_c pairs",
+                      "tau_c pairs error",
+                      "Xi",
+                      "Xi low",
+                      "Xi high",
+                      "Xi law"},
+          .rows = {}};
+  for (const CohesivePoint& point : series.cohesion->points) {
     if (point.inclination != inclination) continue;
     const dem::Estimate weight =
         point.plug ? point.plug->yield_stress_from_weight : dem::Estimate{nan, nan};
+    const calibration::ContactPoint* contacts = ratio_of(series, point.name);
+    const auto xi = contacts ? contacts->ratio[1] : calibration::FittedCoefficient{.name = "Xi", .value = nan};
     csv.rows.push_back({point.attraction,
                         weight.value,
                         weight.error,
                         point.yield_stress.value,
-                        point.yield_stress.error});
+                        point.yield_stress.error,
+                        xi.value,
+                        xi.interval.lower,
+                        xi.interval.upper,
+                        contacts ? contacts->ratio_of_law.value_or(nan) : nan});
   }
+  std::ranges::sort(csv.rows, {}, [](const auto& row) { return row.front(); });
   return csv;
 }
 
@@ -115,48 +137,76 @@ std::vector<double> tilts_of(const CohesionSeries& cohesion) {
 }
 
 std::string head(const std::string& name, const char* y) {
-  return plot_head(name, {.width = 480, .height = 340}) +
+  return plot_head(name, {.width = 480, .height = 360}) +
          fmt::format(
-             "set tmargin at screen 0.78\nset xlabel '{{/:Italic f}}_a/({{/:Italic m g}})'\n"
+             "set tmargin at screen 0.76\nset xlabel '{{/:Italic f}}_a/({{/:Italic m g}})'\n"
              "set ylabel '{}'\nset xrange [-1:*]\nset yrange [0:*]\nplot ",
              y);
+}
+
+Figure yield_figure(const std::vector<double>& tilts) {
+  std::string parts;
+  for (std::size_t k = 0; k < tilts.size(); ++k) {
+    parts += fmt::format(
+        "{0}'{1}' using \"fa\":\"tau_c pairs\":\"tau_c pairs error\" with yerrorbars {2} title "
+        "'{3}, pairs', \\\n     '{1}' using \"fa\":\"tau_c weight\":\"tau_c weight error\" with "
+        "yerrorbars {4} title '{3}, weight of the plug'",
+        k == 0 ? "" : ", \\\n     ",
+        file_of(k),
+        point_style(2 * k),
+        degrees(tilts[k]),
+        point_style(2 * k + 1));
+  }
+  return {.name = "cohesion_yield",
+          .script = head("cohesion_yield", "τ_c {/:Italic d}²/({/:Italic m g})") + parts + "\n",
+          .label = "Yield stress against attraction",
+          .caption =
+              "Yield stress on the incline, from stress–rate pairs and from the weight of "
+              "the plug; bars: one standard error"_html};
+}
+
+Figure ratio_figure(const std::vector<double>& tilts, bool with_law) {
+  std::string parts;
+  for (std::size_t k = 0; k < tilts.size(); ++k) {
+    parts += fmt::format(
+        "{}'{}' using \"fa\":\"Xi\":\"Xi low\":\"Xi high\" with yerrorbars {} title '{}'",
+        k == 0 ? "" : ", \\\n     ",
+        file_of(k),
+        point_style(k),
+        degrees(tilts[k]));
+    if (!with_law) continue;
+    parts += fmt::format(", \\\n     '{}' using \"fa\":\"Xi law\" with lines {} title '{}, law'",
+                         file_of(k),
+                         line_style(k),
+                         degrees(tilts[k]));
+  }
+  return {.name = "cohesion_ratio",
+          .script = head("cohesion_ratio", "Ξ at half the flowing height") + parts + "\n",
+          .label = "Ratio of the linear to the quadratic stress against attraction",
+          .caption =
+              "<i>Ξ</i> at half the flowing height; bars: 95 %, none where Ξ has no limit; "
+              "lines: the flow a law without lifetimes of contacts predicts"_html};
 }
 
 }  // namespace
 
 Html cohesion_tables(const CohesionSeries& cohesion) {
   std::vector<Html> items;
-  for (const std::string& sentence : cohesion.left_out) items.push_back(text(sentence));
+  for (const std::string& sentence : cohesion.left_out) items.push_back(typeset(sentence));
   return table(yield_table(cohesion)) + one_value(cohesion) +
          (items.empty() ? Html{} : list(items));
 }
 
-FigureGroup cohesion_figures(const CohesionSeries& cohesion) {
-  FigureGroup group;
-  const std::vector<double> tilts = tilts_of(cohesion);
-  std::string yield;
-  for (std::size_t k = 0; k < tilts.size(); ++k) {
-    const std::string file = file_of(k);
-    const std::string tilt = degrees(tilts[k]);
-    group.data[file] = points_csv(cohesion, tilts[k]);
-    const char* separator = k == 0 ? "" : ", \\\n     ";
-    yield += fmt::format(
-        "{0}'{1}' using \"fa\":\"tau_c pairs\":\"tau_c pairs error\" with yerrorbars {2} title "
-        "'{3}, pairs', \\\n     '{1}' using \"fa\":\"tau_c weight\":\"tau_c weight error\" with "
-        "yerrorbars {4} title '{3}, weight of the plug'",
-        separator,
-        file,
-        point_style(2 * k),
-        tilt,
-        point_style(2 * k + 1));
-  }
-  group.figures = {
-      {.name = "cohesion_yield",
-       .script = head("cohesion_yield", "τ_c {/:Italic d}²/({/:Italic m g})") + yield + "\n",
-       .label = "Yield stress against attraction",
-       .caption = "Yield stress on the incline, from stress–rate pairs and from the weight of the "
-                  "plug; bars: one standard error"_html}};
-  return group;
+std::map<std::string, Csv> cohesion_data(const SeriesReport& series) {
+  std::map<std::string, Csv> data;
+  const std::vector<double> tilts = tilts_of(*series.cohesion);
+  for (std::size_t k = 0; k < tilts.size(); ++k) data[file_of(k)] = points_csv(series, tilts[k]);
+  return data;
+}
+
+std::vector<Figure> cohesion_figures(const SeriesReport& series) {
+  const std::vector<double> tilts = tilts_of(*series.cohesion);
+  return {yield_figure(tilts), ratio_figure(tilts, !series.law_name.empty())};
 }
 
 }  // namespace grainlaw::report

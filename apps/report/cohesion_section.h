@@ -1,5 +1,9 @@
 #pragma once
 
+#include <map>
+#include <string>
+#include <vector>
+
 #include "apps/report/figure.h"
 #include "apps/report/html.h"
 #include "apps/report/report.h"
@@ -10,7 +14,8 @@ namespace grainlaw::report {
 /// section of the series.
 Html cohesion_tables(const calibration::CohesionSeries& cohesion);
 
-/// tau_c over the strength of the attraction.
-FigureGroup cohesion_figures(const calibration::CohesionSeries& cohesion);
+/// tau_c and Xi over the strength of the attraction; of a law as well, where one is given.
+std::vector<Figure> cohesion_figures(const SeriesReport& series);
+std::map<std::string, Csv> cohesion_data(const SeriesReport& series);
 
 }  // namespace grainlaw::report

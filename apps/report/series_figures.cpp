@@ -132,6 +132,12 @@ std::string stiffness_axis(const SeriesReport& series) {
   return fmt::format("set xrange [{:.3g}:{:.3g}]\n", low / 3.0, 3.0 * high);
 }
 
+bool several_stiffnesses(const SeriesReport& series) {
+  return std::ranges::any_of(series.contacts.points, [&](const ContactPoint& point) {
+    return point.stiffness != series.contacts.points.front().stiffness;
+  });
+}
+
 /// Upper limits of Xi: triangles that point down, with their bar.
 std::string limit_part(const char* x, std::size_t k) {
   return fmt::format(
@@ -258,12 +264,14 @@ std::vector<FigureGroup> series_figures(const SeriesReport& series) {
       add(distribution_figure(series, names[k], k + 1));
     }
   }
-  add(ratio_figure(series, names));
-  if (!series.curves.empty()) {
-    add(lifetime_figure(series, names));
-    add(collision_figure(series, names));
+  const bool over_stiffness = several_stiffnesses(series);
+  if (over_stiffness) add(ratio_figure(series, names));
+  if (!series.curves.empty()) add(lifetime_figure(series, names));
+  if (!series.curves.empty() && over_stiffness) add(collision_figure(series, names));
+  if (series.cohesion) {
+    groups.front().data.merge(cohesion_data(series));
+    for (Figure& figure : cohesion_figures(series)) add(std::move(figure));
   }
-  if (series.cohesion) groups.push_back(cohesion_figures(*series.cohesion));
   return groups;
 }
 

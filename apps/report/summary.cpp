@@ -306,11 +306,13 @@ std::vector<Line> series_lines(const calibration::ContactSeries& contacts) {
   const std::size_t all = contacts.points.size();
   std::vector<Line> result = {{"Runs"_html, text(fmt::format("{} steady chutes.", all))}};
   if (all == 0) return result;
-  result.push_back({"<i>Ξ</i> at half height"_html,
-                    text(fmt::format("Told from 0 in {} of the runs; upper ends of the 95 % "
-                                     "intervals {}.",
-                                     told == 0 ? "none" : share_text(told, all),
-                                     interval(least, most)))});
+  result.push_back(
+      {"<i>Ξ</i> at half height"_html,
+       text(fmt::format(
+           "Told from 0 in {} of the runs; upper ends of the 95 % "
+           "intervals {}.",
+           told == 0 ? "none" : share_text(told, all),
+           std::isfinite(most) ? interval(least, most) : significant(least, 2) + " to no limit"))});
   if (high > 0.0)
     result.push_back({"Long lifetimes"_html,
                       "<i>γ̇ τ<sub>l</sub></i> = "_html + text(interval(low, high)) + "."_html});
