@@ -277,8 +277,10 @@ SteadyCriteria steady_criteria(const Scene& scene) {
   if (const auto* box = std::get_if<SimpleShear>(&scene.geometry)) {
     criteria.start_up = 1.0 / box->shear_rate;  // it forgets its packing within that strain
     criteria.mean_flow = false;
-  } else if (std::holds_alternative<BodyForceBox>(scene.geometry)) {
+  } else if (const auto* driven = std::get_if<BodyForceBox>(&scene.geometry)) {
     criteria.mean_flow = false;
+    criteria.rest_velocity = 1e-3 * std::sqrt(driven->amplitude * scene.grains.diameter);
+    criteria.rest_time = 20.0 * std::sqrt(scene.grains.diameter / driven->amplitude);
   } else if (const auto* chute = std::get_if<Chute>(&scene.geometry)) {
     const double d = scene.grains.diameter;
     const double fall = dense_fraction * chute->gravity * std::cos(last_inclination(*chute));

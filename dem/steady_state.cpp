@@ -61,6 +61,16 @@ std::vector<Series> series_of(std::span<const ProfileFrame> frames) {
   return series;
 }
 
+std::vector<double> fastest_third(std::span<const ProfileFrame> frames) {
+  std::vector<double> speeds;
+  for (const ProfileFrame& frame : frames) {
+    const auto thirds = velocity_of_thirds(frame);
+    speeds.push_back(std::abs(
+        *std::ranges::max_element(thirds, {}, [](double velocity) { return std::abs(velocity); })));
+  }
+  return speeds;
+}
+
 /// First frame of the last stretch of rest_time; frames.size() where the run is shorter.
 std::size_t rest_begin(std::span<const ProfileFrame> frames, const SteadyCriteria& criteria) {
   const double begin = frames.back().end - criteria.rest_time;
@@ -206,7 +216,9 @@ Assessment judge_drift(std::span<const ProfileFrame> frames,
 /// Of frames under one and the same drive.
 Assessment judge(std::span<const ProfileFrame> frames, const SteadyCriteria& criteria) {
   const auto series = series_of(frames);
-  const std::vector<double>& velocity = series[0].values;
+  // A box that flows both ways has no mean flow: its fastest third tells.
+  const std::vector<double> velocity =
+      criteria.mean_flow ? series[0].values : fastest_third(frames);
   const std::size_t last_stretch = rest_begin(frames, criteria);
   if (at_rest(std::span(velocity).subspan(last_stretch), criteria)) {
     const double since = arrest_time(frames, velocity, criteria);

@@ -130,6 +130,17 @@ TEST(SteadyState, ProfileThatDriftsUnderASteadyMeanIsDrifting) {
   EXPECT_GE(named, 10);
 }
 
+TEST(SteadyState, ABoxThatFlowsBothWaysRestsWhenItsFastestThirdDoes) {
+  SteadyCriteria both_ways = criteria;
+  both_ways.mean_flow = false;
+  const auto wave = [](double speed) {
+    return [speed](double z, double) { return speed * std::sin(2.0 * M_PI * z); };
+  };
+  // Its mean velocity is 0 in both cases.
+  EXPECT_EQ(assess(profiles_of(wave(1e-4), 1e-6, 60), both_ways).state, FlowState::arrested);
+  EXPECT_NE(assess(profiles_of(wave(1.0), 1e-2, 160), both_ways).state, FlowState::arrested);
+}
+
 TEST(SteadyState, SlowestThirdOfTheProfileSetsTheEndOfTheStart) {
   // The mean follows mostly the fast upper part; the lowest third takes 100.
   const auto creeping = [](double z, double t) {
