@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "calibration/bagnold_solve.h"
 #include "calibration/model_choice.h"
@@ -17,17 +16,12 @@ namespace {
 namespace slot = bagnold_slot;
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-double weight_of_grain(const dem::ChuteConditions& grains) {
-  return grains.grain_density * std::numbers::pi / 6.0 * std::pow(grains.grain_diameter, 3) *
-         grains.gravity;
-}
-
 CohesivePoint point_of(const SeriesRun& entry) {
   const dem::LocalData& run = *entry.run;
   const dem::ChuteConditions& grains = run.conditions;
   Observations rows = select_rows(run, {});
   CohesivePoint point{.name = run.name, .series = entry.series};
-  point.attraction = grains.attraction / weight_of_grain(grains);
+  point.attraction = grains.attraction / grain_weight(grains);
   point.inclination = grains.inclination;
   point.layer_height = run.rows[rows.rows.back()].z / grains.grain_diameter;
   point.plug = find_plug(run, rows);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <numeric>
 
 #include "calibration/bagnold_fit.h"
@@ -46,8 +47,7 @@ ContactPoint point_of(const SeriesRun& entry,
   if (!run.window.steady) throw FitError("is not steady: " + run.window.reason);
   const dem::ChuteConditions& grains = run.conditions;
   const double diameter = grains.grain_diameter;
-  const double weight =
-      grains.grain_density * std::acos(-1.0) / 6.0 * std::pow(diameter, 3) * grains.gravity;
+  const double weight = grain_weight(grains);
   const BagnoldFit fit = fit_bagnold(run, {.cohesive = grains.attraction > 0.0});
   ContactPoint point{.name = run.name, .series = entry.series};
   point.stiffness = grains.stiffness * diameter / weight;
@@ -194,6 +194,11 @@ std::vector<double> ranks(std::span<const double> values) {
 }
 
 }  // namespace
+
+double grain_weight(const dem::ChuteConditions& grains) {
+  return grains.grain_density * std::numbers::pi / 6.0 * std::pow(grains.grain_diameter, 3) *
+         grains.gravity;
+}
 
 double rank_correlation(std::span<const double> x, std::span<const double> y) {
   if (x.size() != y.size() || x.size() < 3) return std::numeric_limits<double>::quiet_NaN();

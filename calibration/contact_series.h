@@ -77,6 +77,9 @@ ContactSeries contact_series(std::span<const SeriesRun> runs,
                              const RatioRule& rule = {},
                              const continuum::RheologyTable* table = nullptr);
 
+/// m g of a mean grain [force].
+double grain_weight(const dem::ChuteConditions& grains);
+
 /// Spearman's rank correlation; ties take their mean rank. NaN for fewer than 3 pairs,
 /// and where one side has one value only.
 double rank_correlation(std::span<const double> x, std::span<const double> y);
