@@ -140,6 +140,16 @@ PartialPoints measure_part(std::span<const dem::LocalData> runs,
   return part;
 }
 
+/// Whether a scatter can be told in standard errors: too few frames give none.
+bool any_error(const std::vector<StatePoint>& points,
+               const std::vector<std::size_t>& used,
+               Quantity quantity) {
+  return std::any_of(used.begin(), used.end(), [&](std::size_t i) {
+    const double error = measured(points[i], quantity).error;
+    return std::isfinite(error) && error > 0.0;
+  });
+}
+
 struct PartialFit {
   std::vector<dem::Estimate> coefficients;
   double scatter = nan;
@@ -155,7 +165,7 @@ PartialFit fit_part(const PartialPoints& part, const MaterialFit& fit, Quantity 
   const SolvedLaw solved = solve_law(chosen.law, selection.data, chosen.active);
   require_converged(solved.minimum, chosen.law.name);
   PartialFit result{.coefficients = table_coefficients(chosen.law, solved)};
-  if (solved.freedom() > 0) {
+  if (solved.freedom() > 0 && any_error(part.points, selection.used, quantity)) {
     result.scatter = std::sqrt(solved.minimum.chi_squared / solved.freedom());
   }
   return result;

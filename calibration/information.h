@@ -37,7 +37,8 @@ struct CostPoint {
   std::vector<dem::Estimate> friction;         ///< in the order of the summary of the fit
   std::vector<dem::Estimate> volume_fraction;  ///< likewise
   double friction_scatter = 1.0;  ///< rms of the points about the law in their errors; well above
-                                  ///< 1 where the law, not the time, limits; NaN: not tested
+                                  ///< 1 where the law, not the time, limits; NaN: not tested,
+                                  ///< or no point has an error
   double fraction_scatter = 1.0;
   std::string failure;  ///< not empty: no fit was possible with so little, and why
 };

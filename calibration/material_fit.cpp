@@ -325,7 +325,8 @@ void describe_table(std::span<const StatePoint> points,
         "Bo = f_a / (p d^2), largest attraction of a pair of mean diameter" +
         (options.cohesion.empty() ? std::string() : ": " + options.cohesion);
   }
-  table.provenance.source = "grainlaw, mu(I, p*, Bo) and phi(I, p*, Bo) fit; " + friction.law.name;
+  table.provenance.source = "grainlaw, mu(I, p*, Bo) and phi(I, p*, Bo) fit; " +
+                            words(std::get<continuum::MuPhi>(table.law));
 }
 
 }  // namespace

@@ -90,15 +90,6 @@ void attach(const Model& model, FittableLaw& law) {
   };
 }
 
-std::string words(const FrictionForm& form) {
-  std::string text =
-      form.inertial == InertialForm::power ? "mu0 + beta I^exponent" : "mu0 + beta I/(1 + kappa I)";
-  text += form.softness == SoftnessForm::linear ? ", f_p linear" : ", f_p square root";
-  if (form.cohesion == CohesionForm::additive_power) return text + ", + factor Bo^b p*^g";
-  return text + (form.cohesion == CohesionForm::factor ? ", f_B = 1 + alpha Bo^beta"
-                                                       : ", tau = c0 + mu p");
-}
-
 /// Terms of the cohesion: its exponents go one at a time, all of it together.
 void add_cohesion(const FrictionForm& form, FittableLaw& law) {
   namespace slot = friction_slot;
@@ -127,12 +118,31 @@ bool has(const std::vector<std::size_t>& active, std::size_t slot) {
   return std::find(active.begin(), active.end(), slot) != active.end();
 }
 
+std::string inertial_words(const continuum::InertialFriction& friction) {
+  if (friction.exponent) return "mu0 + beta I^exponent";
+  return friction.kappa > 0.0 ? "mu0 + beta I/(1 + kappa I)" : "mu0 + beta I";
+}
+
+std::string cohesion_words(const continuum::CohesionStress& stress) {
+  if (!stress.bond_exponent && !stress.softness_exponent) return ", tau = c0 + mu p";
+  return std::string(", + factor Bo") + (stress.bond_exponent ? "^b" : "") +
+         (stress.softness_exponent ? " p*^g" : "");
+}
+
+/// The largest law of a family, at the values where its fit starts.
+continuum::MuPhi with_all_terms(const FrictionForm& form, const FittableLaw& family) {
+  Slots<double> x{};
+  for (std::size_t j = 0; j < family.slots.size(); ++j) x[j] = family.slots[j].start;
+  continuum::MuPhi law;
+  set_friction(law, form, x, family.possible);
+  return law;
+}
+
 }  // namespace
 
 FittableLaw friction_law(const FrictionForm& form) {
   const bool power = form.inertial == InertialForm::power;
   FittableLaw law;
-  law.name = words(form);
   law.slots = {
       {.name = "mu0", .start = 0.3},
       {.name = "beta", .start = 0.5},
@@ -147,6 +157,7 @@ FittableLaw friction_law(const FrictionForm& form) {
   }
   law.terms.push_back({.name = "f_p (softness)", .slots = {4}});
   add_cohesion(form, law);
+  law.name = words(with_all_terms(form, law));
   attach(FrictionModel{form}, law);
   return law;
 }
@@ -160,6 +171,17 @@ FrictionForm form_of(const continuum::MuPhi& law) {
     form.cohesion = power ? CohesionForm::additive_power : CohesionForm::additive_stress;
   }
   return form;
+}
+
+std::string words(const continuum::MuPhi& law) {
+  std::string text = inertial_words(law.friction);
+  if (const auto& soft = law.softness_friction) {
+    text += soft->form == SoftnessForm::linear ? ", f_p linear" : ", f_p square root";
+  }
+  if (const auto& cohesion = law.cohesion_friction) {
+    text += cohesion->beta == 1.0 ? ", f_B = 1 + alpha Bo" : ", f_B = 1 + alpha Bo^beta";
+  }
+  return law.cohesion_stress ? text + cohesion_words(*law.cohesion_stress) : text;
 }
 
 std::vector<FrictionForm> friction_forms() {

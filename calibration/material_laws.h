@@ -34,6 +34,9 @@ FittableLaw friction_law(const FrictionForm& form);
 /// The family a law belongs to. Terms it does not have say nothing of it.
 FrictionForm form_of(const continuum::MuPhi& law);
 
+/// The terms the friction of a law has, and no other.
+std::string words(const continuum::MuPhi& law);
+
 /// Every family of the friction law: 2 x 2 x 3.
 std::vector<FrictionForm> friction_forms();
 

@@ -11,11 +11,11 @@
 #include "calibration/observations.h"
 
 namespace grainlaw::calibration {
-namespace {
-
 const dem::Estimate& measured(const StatePoint& point, Quantity quantity) {
   return quantity == Quantity::friction ? point.friction : point.volume_fraction;
 }
+
+namespace {
 
 /// Why a point cannot be used; empty: it can.
 std::string defect(const StatePoint& point, Quantity quantity) {

@@ -12,6 +12,9 @@ namespace grainlaw::calibration {
 /// Which of the two laws.
 enum class Quantity { friction, volume_fraction };
 
+/// What a point says of it.
+const dem::Estimate& measured(const StatePoint& point, Quantity quantity);
+
 /// The points of one law.
 struct PointSelection {
   std::vector<std::size_t> used;  ///< indices of the points

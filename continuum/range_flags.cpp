@@ -7,6 +7,14 @@
 namespace grainlaw::continuum {
 namespace {
 
+/// Share of a bound by which rounding may miss it.
+constexpr double rounding = 1e-9;
+
+bool outside(double value, const Range& range) {
+  return value < range.lower - rounding * std::abs(range.lower) ||
+         value > range.upper + rounding * std::abs(range.upper);
+}
+
 struct Met {
   double lowest = std::numeric_limits<double>::infinity();
   double highest = -std::numeric_limits<double>::infinity();
@@ -17,7 +25,7 @@ struct Met {
     lowest = std::min(lowest, value);
     highest = std::max(highest, value);
     mass += weight;
-    if (value < range.lower || value > range.upper) mass_outside += weight;
+    if (outside(value, range)) mass_outside += weight;
   }
 };
 

@@ -7,6 +7,8 @@
 #include <limits>
 #include <numbers>
 
+#include "dem/base_holes.h"
+
 namespace grainlaw::dem {
 namespace {
 
@@ -90,6 +92,8 @@ std::vector<InitialGrain> layer(const BumpyBase& base,
     grain.position.z -= highest + 0.5 * grains.diameter;
     grain.body = Body::base;
   }
+  const std::vector<InitialGrain> plugs = hole_plugs(ground, cut, grains.diameter);
+  cut.insert(cut.end(), plugs.begin(), plugs.end());
   return cut;
 }
 

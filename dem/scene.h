@@ -44,7 +44,8 @@ struct Grains {
 };
 
 /// Frozen slab cut from a random packing: every grain whose centre lies in a layer of the given
-/// thickness is glued. z = 0 of the chute is the plane of the highest glued centre + d/2.
+/// thickness is glued, and one in every hole that lets a mean grain through. z = 0 of the chute is
+/// the plane of the highest glued centre + d/2.
 struct BumpyBase {
   double thickness = 1.5;           ///< of the layer of centres [d]
   double packing_fraction = 0.585;  ///< of the packing it is cut from

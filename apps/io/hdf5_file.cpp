@@ -308,12 +308,13 @@ std::vector<std::string> Hdf5Reader::names(const std::string& path) const {
   for (hsize_t k = 0; k < info.nlinks; ++k) {
     const std::string name = link_name(group, k);
     const Handle object(H5Oopen(group, name.c_str(), H5P_DEFAULT), H5Oclose);
-    check(object, path + "/" + name);
+    const std::string full = fmt::format("{}/{}", path, name);
+    check(object, full);
     if (H5Iget_type(object) != H5I_GROUP) {
       names.push_back(name);
     } else {
-      for (const std::string& inner : this->names(path + "/" + name)) {
-        names.push_back(name + "/" + inner);
+      for (const std::string& inner : this->names(full)) {
+        names.push_back(fmt::format("{}/{}", name, inner));
       }
     }
   }

@@ -144,6 +144,7 @@ std::optional<Line> error_line(const Report& report, SampleKind kind, const Html
   const auto runs = runs_of(report, kind);
   if (runs.empty()) return std::nullopt;
   std::vector<Html> parts;
+  parts.reserve(runs.size());
   for (const RunComparison* run : runs) parts.push_back(error_of_run(*run));
   return Line{topic, "Velocity error at "_html + join(parts, "; "_html) + "."_html};
 }
@@ -210,6 +211,7 @@ Line answers_line(const Report& report) {
     }
   }
   std::vector<Html> parts;
+  parts.reserve(counts.size());
   for (const auto& [outcome, number] : counts) {
     parts.push_back(text(fmt::format("{} {}", number, outcome)));
   }
@@ -359,7 +361,7 @@ Html warnings(const ReportHead& report) {
     if (!said) items.push_back(typeset(*warning));
   }
   if (items.empty()) return {};
-  return "<div class=\"note\"><strong>Warnings</strong>"_html + list(items) + "</div>\n"_html;
+  return R"(<div class="note"><strong>Warnings</strong>)"_html + list(items) + "</div>\n"_html;
 }
 
 Html summary_of(const std::vector<Line>& lines, const ReportHead& report) {

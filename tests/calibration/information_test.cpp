@@ -96,7 +96,7 @@ TEST(Information, OnlyRunWithCohesionTellsAllOfIt) {
 }
 
 /// Boxes on the law with noise in every frame.
-std::vector<dem::LocalData> boxes(double noise) {
+std::vector<dem::LocalData> boxes(double noise, int frames = 640) {
   std::vector<dem::LocalData> runs;
   const continuum::MuPhi truth = law();
   for (const double p : grid.softnesses) {
@@ -109,7 +109,7 @@ std::vector<dem::LocalData> boxes(double noise) {
                                  .volume_fraction = continuum::volume_fraction(truth, I, at),
                                  .friction_noise = noise,
                                  .fraction_noise = 0.1 * noise,
-                                 .frames = 640,
+                                 .frames = frames,
                                  .seed = runs.size() + 1}));
     }
   }
@@ -132,6 +132,19 @@ TEST(CostOfCoefficients, ErrorsFallAsTheRootOfTheAveragingTime) {
     EXPECT_NEAR(ratio, 2.0, 0.4) << fit.volume_fraction.coefficients[k].name;
   }
   EXPECT_NEAR(cost[4].friction[0].value, fit.friction.coefficients[0].value, 1e-8);
+}
+
+TEST(CostOfCoefficients, ScatterIsUnknownWhereNoPointHasAnError) {
+  // 16 frames: a sixteenth is one, which scatters by nothing.
+  const std::vector<dem::LocalData> runs = boxes(0.01, 16);
+  std::vector<std::string> left_out;
+  const std::vector<StatePoint> points = state_points(runs, left_out);
+  const auto cost = cost_of_coefficients(runs, points, fit_material(points));
+  ASSERT_EQ(cost.size(), 5u);
+  ASSERT_EQ(cost.front().failure, "");
+  EXPECT_TRUE(std::isnan(cost.front().friction_scatter));
+  EXPECT_TRUE(std::isnan(cost.front().fraction_scatter));
+  EXPECT_TRUE(std::isfinite(cost.back().friction_scatter));
 }
 
 TEST(CostOfCoefficients, RunsWithoutFramesHaveNone) {

@@ -144,5 +144,16 @@ TEST(LawSelection, IntervalsOfTheVolumeFractionLawHoldTheTruth) {
   expect_honest(coverages);
 }
 
+TEST(FrictionLaw, NamesTheTermsItHas) {
+  continuum::MuPhi law;
+  law.friction = {.mu0 = 0.3, .beta = 0.5};
+  EXPECT_EQ(words(law), "mu0 + beta I");
+  law.softness_friction = continuum::SoftnessFriction{.p_mu = 0.4};
+  law.cohesion_friction = continuum::CohesionFriction{.alpha = 0.3};
+  EXPECT_EQ(words(law), "mu0 + beta I, f_p square root, f_B = 1 + alpha Bo");
+  EXPECT_EQ(friction_law({}).name,
+            "mu0 + beta I/(1 + kappa I), f_p square root, f_B = 1 + alpha Bo^beta");
+}
+
 }  // namespace
 }  // namespace grainlaw::calibration

@@ -138,6 +138,7 @@ TEST(MaterialFit, RigidCohesionlessGrainsHaveNoColumnsForSoftnessAndCohesion) {
   EXPECT_FALSE(law_of(fit).softness_volume_fraction || law_of(fit).cohesion_volume_fraction);
   EXPECT_TRUE(mentions(fit.friction.left_out, "f_p (softness) is dropped: it needs 2 different"));
   EXPECT_TRUE(mentions(fit.friction.left_out, "f_B (cohesion) is dropped"));
+  EXPECT_EQ(fit.table.provenance.source.find("f_"), std::string::npos);
   EXPECT_FALSE(fit.table.range.bond_number || fit.table.range.softness);
   EXPECT_EQ(fit.table.covariance->names,
             (std::vector<std::string>{"mu0", "beta", "kappa", "phi0", "I_phi"}));

@@ -256,6 +256,17 @@ TEST(RangeFlags, NameTheWholeFlowWhenTheInertialNumberIsOutside) {
   EXPECT_DOUBLE_EQ(flag->fraction_outside, 1.0);
 }
 
+TEST(RangeFlags, AreAbsentWhereTheFlowEndsWithItsDataUpToRounding) {
+  auto table = frictional;
+  const auto rows = steady_chute(table, chute(24, 52.2, {.stiffness = 3.8e5})).profile.rows;
+  double highest = 0.0;
+  for (const auto& row : rows) highest = std::max(highest, row.inertial_number);
+  table.range.inertial_number = Range{0.005, highest * (1.0 - 1e-12)};
+  EXPECT_EQ(find(steady_chute(table, chute(24, 52.2, {.stiffness = 3.8e5})).answer, "I"), nullptr);
+  table.range.inertial_number = Range{0.005, highest * (1.0 - 1e-6)};
+  EXPECT_NE(find(steady_chute(table, chute(24, 52.2, {.stiffness = 3.8e5})).answer, "I"), nullptr);
+}
+
 TEST(RangeFlags, CountOnlyTheFlowingMassForTheBondNumber) {
   auto table = frictional;
   table.range.bond_number = Range{0.0, 0.5};

@@ -6,7 +6,7 @@
 #include <cstring>
 
 #include "dem/run.h"
-#include "tests/dem/support.h"
+#include "tests/dem/checkpoint_support.h"
 
 namespace grainlaw::dem {
 namespace {
@@ -20,58 +20,6 @@ constexpr LiquidBridge wet{.surface_tension = 3.0, .contact_angle = 0.2, .volume
 const Sliding grip = sliding(0.5, 2e4, 5.0);
 const StickSlip stick{
     .static_coefficient = 0.6, .coefficient = 0.4, .stiffness = 6e3, .damping = 5.0};
-
-template <class T>
-std::size_t differing_bytes(const std::vector<T>& a, const std::vector<T>& b) {
-  if (a.size() != b.size()) return sizeof(T) * std::max(a.size(), b.size());
-  std::size_t count = 0;
-  const auto* bytes_of_a = reinterpret_cast<const unsigned char*>(a.data());
-  const auto* bytes_of_b = reinterpret_cast<const unsigned char*>(b.data());
-  for (std::size_t k = 0; k < sizeof(T) * a.size(); ++k) count += bytes_of_a[k] != bytes_of_b[k];
-  return count;
-}
-
-/// Names every array in which two states differ, with the number of bytes.
-std::string differences(const Checkpoint& a, const Checkpoint& b) {
-  std::string found;
-  const auto compare = [&](const auto& of_a, const auto& of_b) {
-    if (of_a.size() != of_b.size()) found += "number of arrays; ";
-    for (const auto& [name, values] : of_a) {
-      if (name.starts_with("run/")) continue;
-      const auto other = of_b.find(name);
-      const std::size_t bytes = other == of_b.end() ? 1 : differing_bytes(values, other->second);
-      if (bytes > 0) found += name + " (" + std::to_string(bytes) + " bytes); ";
-    }
-  };
-  compare(a.numbers, b.numbers);
-  compare(a.integers, b.integers);
-  return found;
-}
-
-template <class Law>
-Checkpoint state(Simulation<Law>& simulation) {
-  Checkpoint checkpoint;
-  simulation.save(checkpoint);
-  return checkpoint;
-}
-
-/// N + M steps against N steps, a checkpoint, and M steps of a simulation made anew from the start.
-template <class Law>
-void expect_same_path(const Scene& scene, const Law& law, int before, int after, int threads = 1) {
-  Simulation never_stopped = flow(scene, law);
-  Simulation stopped = flow(scene, law);
-  for (int k = 0; k < before; ++k) never_stopped.step(), stopped.step();
-  const Checkpoint checkpoint = state(stopped);
-  EXPECT_EQ(differences(checkpoint, state(never_stopped)), "");
-  const long rebuilds = never_stopped.rebuilds();
-  Simulation resumed = flow(scene, law, threads);
-  resumed.restore(checkpoint);
-  EXPECT_EQ(differences(checkpoint, state(resumed)), "") << "just restored";
-  for (int k = 0; k < after; ++k) never_stopped.step(), resumed.step(), stopped.step();
-  EXPECT_GT(never_stopped.rebuilds(), rebuilds) << "the path goes on across a rebuild";
-  EXPECT_EQ(differences(state(never_stopped), state(resumed)), "") << kind(scene.geometry);
-  EXPECT_EQ(differences(state(never_stopped), state(stopped)), "") << "saving changed the path";
-}
 
 template <class Law>
 void expect_same_path_of_column(const Law& law) {
@@ -112,27 +60,6 @@ TEST(Checkpoint, RestartIsExactInEveryGeometry) {
                              small_ring()}) {
     expect_same_path(with(scene, law, 50.0), law, 2000, 12000);
   }
-}
-
-/// Enough grains for three strips, in a box that shears under pressure.
-Scene several_strips() {
-  return with(small_shear(10.0, 6100), rough(soft, 0.5), 50.0);
-}
-
-TEST(Checkpoint, RestartIsExactOnSeveralThreads) {
-  expect_same_path(several_strips(), rough(soft, 0.5), 150, 150, 2);
-}
-
-TEST(Threads, DoNotChangeAnyNumber) {
-  const Scene scene = several_strips();
-  const auto path = [&](int threads) {
-    Simulation simulation = flow(scene, rough(soft, 0.5), threads);
-    EXPECT_EQ(simulation.strips().size(), 3u);
-    for (int k = 0; k < 100; ++k) simulation.step();
-    return state(simulation);
-  };
-  const Checkpoint one = path(1);
-  for (const int threads : {2, 3, 5}) EXPECT_EQ(differences(one, path(threads)), "") << threads;
 }
 
 /// Local data as text would not show the last bit: compare the frames and rows themselves.

@@ -271,22 +271,5 @@ TEST(ContactLifetimes, RunThatIsTakenUpGivesTheSameAndFollowingChangesNoPath) {
   }
 }
 
-TEST(ContactLifetimes, DoNotDependOnTheNumberOfThreads) {
-  const Scene scene = followed(with(small_shear(10.0, 6100), rough(soft, 0.5), 50.0));
-  const auto state = [&](int threads) {
-    Simulation simulation = flow(scene, rough(soft, 0.5), threads);
-    ContactLifetimes lifetimes(scene);
-    for (int k = 0; k < 150; ++k) simulation.step(), lifetimes.follow(simulation);
-    Checkpoint checkpoint;
-    lifetimes.save(checkpoint);
-    return checkpoint;
-  };
-  const Checkpoint one = state(1), two = state(2);
-  EXPECT_EQ(one.integers, two.integers);
-  for (const auto& [name, values] : one.numbers) {
-    EXPECT_TRUE(same_bits(values, two.numbers.at(name))) << name;
-  }
-}
-
 }  // namespace
 }  // namespace grainlaw::dem

@@ -17,7 +17,7 @@ double scatter(int k, double irrational) {
 
 /// A gas without contacts in a sheared box, p = rho_p phi T, whose phi and T fluctuate.
 ProfileFrames gas(int count) {
-  ProfileFrames gas{.kernel = {KernelShape::lucy, 0.0}};
+  ProfileFrames gas{.frames = {}, .kernel = {KernelShape::lucy, 0.0}};
   for (int k = 0; k < count; ++k) {
     ProfileFrame& frame = gas.frames.emplace_back();
     frame.begin = k;
