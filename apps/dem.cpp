@@ -197,8 +197,7 @@ int main(int argc, char** argv) {
   line.flag("--allow-step", arguments.allow_step, "accept a time step above the stability limit");
   line.option("-o,--output", arguments.output, "local data file (default: scene name + .h5)");
   line.flag("--resume", arguments.resume, "go on from the newest checkpoint of this output");
-  line.flag(
-      "--reduce", arguments.reduce, "write a finished run again, frames joined: smaller");
+  line.flag("--reduce", arguments.reduce, "write a finished run again, frames joined: smaller");
   line.duration("--max-wall", arguments.max_wall, "stop with a checkpoint after this wall time");
   line.duration("--checkpoint-interval",
                 arguments.checkpoint_interval,

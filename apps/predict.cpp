@@ -297,9 +297,7 @@ int main(int argc, char** argv) {
   line.required("CASE.toml", arguments.question, "the question");
   line.option("-t,--table", arguments.table, "rheology table", true);
   line.option("-o,--output", arguments.output, "profile as PROFILE.csv or PROFILE.json");
-  line.flag("--certificate",
-            arguments.certificate,
-            "where the law is well-posed in 2D and 3D");
+  line.flag("--certificate", arguments.certificate, "where the law is well-posed in 2D and 3D");
   return line.run(
       argc, argv, [&](const CommonOptions& options) { return predict(arguments, options); });
 }

@@ -105,7 +105,8 @@ Csv points_csv(const SeriesReport& series, double inclination) {
     const dem::Estimate weight =
         point.plug ? point.plug->yield_stress_from_weight : dem::Estimate{nan, nan};
     const calibration::ContactPoint* contacts = ratio_of(series, point.name);
-    const auto xi = contacts ? contacts->ratio[1] : calibration::FittedCoefficient{.name = "Xi", .value = nan};
+    const auto xi =
+        contacts ? contacts->ratio[1] : calibration::FittedCoefficient{.name = "Xi", .value = nan};
     csv.rows.push_back({point.attraction,
                         weight.value,
                         weight.error,
