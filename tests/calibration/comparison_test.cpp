@@ -37,16 +37,6 @@ Profile profile_of(const dem::LocalData& data, double factor = 1.0) {
   return profile;
 }
 
-continuum::ChuteCase case_of(const dem::ChuteConditions& conditions) {
-  continuum::ChuteCase chute;
-  chute.inclination = conditions.inclination;
-  chute.gravity = conditions.gravity;
-  chute.mass_per_area = conditions.mass_per_area;
-  chute.grains.diameter = conditions.grain_diameter;
-  chute.grains.density = conditions.grain_density;
-  return chute;
-}
-
 TEST(SampleKind, IsDecidedByTheFittedTilts) {
   const std::vector<double> fitted{21 * degree, 25 * degree};
   EXPECT_EQ(sample_kind(21 * degree, fitted), SampleKind::in_sample);
@@ -198,7 +188,7 @@ TEST(Calibration, BagnoldTablePredictsTheRunItWasFittedTo) {
   // (2 depth): at half depth 0.01 gd / 20 = 2e-5 u, more against the small u near the base.
   const dem::LocalData data = local_data({.b = 5.0});
   const continuum::SteadyChute steady =
-      continuum::steady_chute(fit_bagnold(data).table, case_of(data.conditions));
+      continuum::steady_chute(fit_bagnold(data).table, chute_case(data.conditions));
   ASSERT_EQ(steady.answer.outcome, continuum::Outcome::steady) << steady.answer.text;
   EXPECT_LT(profile_error(data, steady.profile).velocity.value, 1e-4);
 }
@@ -217,7 +207,7 @@ TEST(Calibration, MuPhiTablePredictsAChuteItWasNotFittedTo) {
   const std::vector<dem::LocalData> fitted{run(21, 30), run(23, 30), run(25, 30)};
   const dem::LocalData other = run(24, 45);
   const continuum::SteadyChute steady =
-      continuum::steady_chute(fit_mu_phi(fitted).table, case_of(other.conditions));
+      continuum::steady_chute(fit_mu_phi(fitted).table, chute_case(other.conditions));
   ASSERT_EQ(steady.answer.outcome, continuum::Outcome::steady) << steady.answer.text;
   const ProfileError error = profile_error(other, steady.profile);
   // The mass below the no-slip height is a mean over runs whose phi differ by up to 0.03, that is
