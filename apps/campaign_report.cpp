@@ -133,10 +133,14 @@ void study_series(report::SeriesReport& report,
                   const CampaignData& data,
                   const std::optional<Reference>& reference) {
   std::vector<calibration::SeriesRun> runs;
+  std::vector<std::string> missing;
   for (const io::ChuteSeries& series : campaign.series) {
     for (const io::SceneFile& file : series.scenes) {
       const auto found = std::ranges::find(data.runs, file.scene.name, &MeasuredRun::condition);
-      if (found == data.runs.end()) continue;
+      if (found == data.runs.end()) {
+        missing.push_back(file.scene.name + ": there is no run of it");
+        continue;
+      }
       const dem::LocalData& run = found->data;
       runs.push_back({series.name, &run});
       if (run.lifetimes) report.curves.push_back({run.name, series.name, *run.lifetimes});
@@ -146,6 +150,7 @@ void study_series(report::SeriesReport& report,
   const continuum::RheologyTable* law = reference ? &reference->table : nullptr;
   if (reference) report.law_name = reference->name;
   report.contacts = calibration::contact_series(runs, touching, {}, law);
+  report.contacts.left_out.insert(report.contacts.left_out.begin(), missing.begin(), missing.end());
   const auto attracts = [](const calibration::SeriesRun& entry) {
     return entry.run->conditions.attraction > 0.0;
   };
