@@ -284,6 +284,7 @@ SteadyCriteria steady_criteria(const Scene& scene) {
   } else if (const auto* chute = std::get_if<Chute>(&scene.geometry)) {
     const double d = scene.grains.diameter;
     const double fall = dense_fraction * chute->gravity * std::cos(last_inclination(*chute));
+    criteria.drive = chute->gravity * std::sin(last_inclination(*chute));
     if (!chute->tilts.empty()) criteria.last_change = chute->tilts.back().time;
     criteria.rest_velocity = 1e-3 * std::sqrt(chute->gravity * d);
     criteria.rest_time = 20.0 * std::sqrt(d / chute->gravity);

@@ -165,6 +165,11 @@ bool Drift::significant(double probability) const {
   return std::abs(change) > student_quantile(0.5 + 0.5 * probability, degrees) * error;
 }
 
+double Drift::most(double probability) const {
+  return std::abs(change) +
+         student_quantile(0.5 + 0.5 * probability, effective_samples - 2.0) * error;
+}
+
 double student_quantile(double probability, double degrees) {
   constexpr double most = 1000.0;  // within 0.3 % of a normal distribution, for any use made here
   degrees = std::clamp(degrees, 1.0, most);

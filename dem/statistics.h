@@ -49,6 +49,8 @@ struct Drift {
   /// Two-sided t test with N_eff - 2 degrees; never with < 3 samples. Those of the blocks would be
   /// fewer and find fewer drifts: a false alarm costs some time, a drift that is missed the result.
   bool significant(double probability) const;
+  /// The largest size of the change that such a test leaves; NaN with < 4 samples.
+  double most(double probability) const;
 };
 Drift linear_drift(std::span<const double> series);
 

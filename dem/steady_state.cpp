@@ -15,6 +15,7 @@ namespace grainlaw::dem {
 namespace {
 
 constexpr double confidence = 0.99;
+constexpr double balance = 0.02;  // of the drive: no steady flow of data/local exceeds 0.003
 
 struct Series {
   std::string_view name;
@@ -174,6 +175,14 @@ std::string drift_in_words(std::span<const Series> series, std::size_t first) {
   return words;
 }
 
+/// The largest part of the drive that may be left to accelerate the flow, on average over `length`.
+double unbalanced_part(std::span<const double> velocity,
+                       double length,
+                       const SteadyCriteria& criteria) {
+  if (!(criteria.drive > 0.0)) return 0.0;
+  return linear_drift(velocity).most(confidence) / (length * criteria.drive);
+}
+
 /// Of a flow that neither rests nor runs away: the window after the start, its drift and length.
 Assessment judge_drift(std::span<const ProfileFrame> frames,
                        std::span<const Series> series,
@@ -204,6 +213,16 @@ Assessment judge_drift(std::span<const ProfileFrame> frames,
     return too_short(fmt::format("short: no drift over {:.4g} time units, {:.4g} are wanted",
                                  length,
                                  criteria.averaging_time));
+  }
+  const double unbalanced =
+      unbalanced_part(std::span(series[0].values).subspan(first), length, criteria);
+  if (!(unbalanced <= balance)) {
+    return too_short(
+        fmt::format("short: friction balances the drive within {:.2g} % over {:.4g} "
+                    "time units, {:.2g} % are wanted",
+                    100.0 * unbalanced,
+                    length,
+                    100.0 * balance));
   }
   return {FlowState::steady,
           true,

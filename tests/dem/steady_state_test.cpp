@@ -130,6 +130,20 @@ TEST(SteadyState, ProfileThatDriftsUnderASteadyMeanIsDrifting) {
   EXPECT_GE(named, 10);
 }
 
+// Scatter of 10 leaves a change of some 20 in 200 time units unseen, a quarter of the drive.
+TEST(SteadyState, NoiseThatHidesAnImbalanceOfForcesIsShort) {
+  SteadyCriteria driven = criteria;
+  driven.drive = 0.4;
+  int quiet = 0;
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    const auto calm = frames_of([](double) { return 2.0; }, 0.1, 160, seed);
+    const auto noisy = frames_of([](double) { return 20.0; }, 10.0, 160, seed);
+    quiet += assess(calm, driven).state == FlowState::steady;
+    EXPECT_NE(assess(noisy, driven).state, FlowState::steady) << seed;
+  }
+  EXPECT_GE(quiet, 18);
+}
+
 TEST(SteadyState, ABoxThatFlowsBothWaysRestsWhenItsFastestThirdDoes) {
   SteadyCriteria both_ways = criteria;
   both_ways.mean_flow = false;
