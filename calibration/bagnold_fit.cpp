@@ -216,7 +216,7 @@ void choose_model(const SolvedBagnold& generalised,
   std::ostringstream text;
   text.precision(2);
   text << "simplest law the data ask for: " << models[chosen].name
-       << " (probability that the term is chance: a gd^2 " << chance_a << ", b gd " << chance_b
+       << " (probability that the term is chance: a gd^2: " << chance_a << ", b gd: " << chance_b
        << ")";
   summary.notes.push_back(text.str());
 }

@@ -17,9 +17,11 @@ namespace {
 constexpr double confidence = 0.99;
 constexpr double balance = 0.02;  // of the drive: no steady flow of data/local exceeds 0.003
 
+enum class Quantity { velocity, energy, height };
+
 struct Series {
   std::string_view name;
-  bool is_velocity;
+  Quantity quantity;
   std::vector<double> values;
 };
 
@@ -46,12 +48,12 @@ std::array<double, 3> velocity_of_thirds(const ProfileFrame& frame) {
 /// The series to judge, the mean velocity first. Thirds of a profile of one or two bins would
 /// repeat the mean.
 std::vector<Series> series_of(std::span<const ProfileFrame> frames) {
-  std::vector<Series> series{{"mean velocity", true, {}},
-                             {"kinetic energy", false, {}},
-                             {"centre of mass", false, {}},
-                             {"velocity of the lowest third", true, {}},
-                             {"velocity of the middle third", true, {}},
-                             {"velocity of the highest third", true, {}}};
+  std::vector<Series> series{{"mean velocity", Quantity::velocity, {}},
+                             {"kinetic energy", Quantity::energy, {}},
+                             {"centre of mass", Quantity::height, {}},
+                             {"velocity of the lowest third", Quantity::velocity, {}},
+                             {"velocity of the middle third", Quantity::velocity, {}},
+                             {"velocity of the highest third", Quantity::velocity, {}}};
   for (const ProfileFrame& frame : frames) {
     const auto [lowest, middle, highest] = velocity_of_thirds(frame);
     const std::array values{
@@ -154,23 +156,36 @@ double start_end(std::span<const ProfileFrame> frames,
   double end = criteria.start_up;
   if (!criteria.mean_flow) return end;
   for (const Series& s : series) {
-    if (!s.is_velocity) continue;
+    if (s.quantity != Quantity::velocity) continue;
     end = std::max(end, relaxed_time(frames, s.values, first, criteria.averaging_time));
   }
   return end;
 }
 
-/// The series that drifts most clearly, if any does.
-std::string drift_in_words(std::span<const Series> series, std::size_t first) {
-  std::string words;
+/// Series that drift, as the reason names them.
+struct Drifts {
+  std::string clearest;   ///< that is no slow compaction
+  std::string tolerated;  ///< slow compaction
+};
+
+Drifts drifts_in_words(std::span<const Series> series,
+                       std::size_t first,
+                       const SteadyCriteria& criteria) {
+  Drifts words;
   double clearest = 0.0;
   for (const Series& s : series) {
     const Drift drift = linear_drift(std::span(s.values).subspan(first));
     const double clarity = std::abs(drift.change) / drift.error;
-    if (!drift.significant(confidence) || clarity <= clearest) continue;
-    clearest = clarity;
-    words = fmt::format(
+    if (!drift.significant(confidence)) continue;
+    std::string word = fmt::format(
         "{} changes by {:.3g} +- {:.2g} over the window", s.name, drift.change, drift.error);
+    if (s.quantity == Quantity::height &&
+        std::abs(drift.change) < criteria.compaction * s.values.back()) {
+      words.tolerated = std::move(word);
+    } else if (clarity > clearest) {
+      clearest = clarity;
+      words.clearest = std::move(word);
+    }
   }
   return words;
 }
@@ -190,16 +205,20 @@ Assessment judge_drift(std::span<const ProfileFrame> frames,
                        const SteadyCriteria& criteria) {
   std::size_t first = 0;
   const std::span<const Series> judged = series.subspan(criteria.mean_flow ? 0 : 1);
-  for (const Series& s : judged) first = std::max(first, mser_truncation(s.values));
+  for (const Series& s : judged) {
+    // Of a ramp the rule cuts as much as it may.
+    if (s.quantity == Quantity::height && criteria.compaction > 0.0) continue;
+    first = std::max(first, mser_truncation(s.values));
+  }
   const double relaxed = start_end(frames, series, first, criteria);
   const std::size_t start = first_frame_after(frames, relaxed);
   constexpr std::size_t fewest_frames = 8;  // to judge a drift by
   const bool is_relaxed = start + fewest_frames <= frames.size();
   if (is_relaxed) first = std::max(first, start);
-  const std::string drift = drift_in_words(judged, first);
-  if (!drift.empty()) {
+  const Drifts drifts = drifts_in_words(judged, first, criteria);
+  if (!drifts.clearest.empty()) {
     const FlowState state = gaining ? FlowState::accelerating : FlowState::drifting;
-    return {state, false, first, fmt::format("{}: {}", name(state), drift)};
+    return {state, false, first, fmt::format("{}: {}", name(state), drifts.clearest)};
   }
   const auto too_short = [&](std::string reason) {
     return Assessment{FlowState::too_short, false, first, std::move(reason)};
@@ -227,9 +246,11 @@ Assessment judge_drift(std::span<const ProfileFrame> frames,
   return {FlowState::steady,
           true,
           first,
-          fmt::format("steady: no drift at {} % confidence over {:.4g} time units",
+          fmt::format("steady: no drift at {} % confidence over {:.4g} time units{}{}",
                       100.0 * confidence,
-                      length)};
+                      length,
+                      drifts.tolerated.empty() ? "" : ", slow compaction apart: ",
+                      drifts.tolerated)};
 }
 
 /// Of frames under one and the same drive.

@@ -23,6 +23,7 @@ struct SteadyCriteria {
   double start_up = 0.0;          ///< the window begins no earlier [time]
   double last_change = 0.0;       ///< of the drive: what was before it tells nothing [time]
   bool mean_flow = true;          ///< judged too; false: a box that flows both ways
+  double compaction = 0.0;        ///< share by which the centre of mass may drift in the window
   double drive = 0.0;             ///< what friction has to balance, per mass [length/time^2]
 };
 
@@ -46,8 +47,8 @@ struct Assessment {
 /// through any of the series drifts at 99 % confidence. A drift is seen from about nine standard
 /// errors of the mean on; frames that do not hold the beginning of a slow approach do not tell that
 /// they end one. Under a drive the mean velocity must also be known to gain or lose less than 2 %
-/// of it: where friction and drive may differ by more, no drift that is seen tells little. Frames
-/// that begin before the last change of the drive are not judged.
+/// of it: where friction and drive may differ by more, no drift that is seen tells little. A flow
+/// that is steady while it compacts says so in its reason. Frames that begin before the last change of the drive are not judged.
 Assessment assess(std::span<const ProfileFrame> frames, const SteadyCriteria& criteria);
 
 /// The window of an assessment.

@@ -7,6 +7,7 @@
 #include "apps/report/figure.h"
 #include "apps/report/numbers.h"
 #include "apps/report/sections.h"
+#include "apps/report/typeset.h"
 
 namespace grainlaw::report {
 namespace {
@@ -99,8 +100,10 @@ Table curve_table(const ContactFrictionReport& report) {
 Figure curve_figure(const std::string& name) {
   const std::string figure = "contact_friction_" + name;
   const std::string script =
-      plot_head(figure) + "set xlabel '{/:Italic μ}_p'\nset ylabel '" + plot_text(name) +
-      "'\nset xrange [0:*]\nset offsets 0, 0, graph 0.05, graph 0.05\n" +
+      plot_head(figure) + "set xlabel '{/:Italic μ}_p'\nset ylabel '" +
+      plot_symbol(coefficient_symbol(name)) +
+      "'\nset lmargin at screen 0.225  # p4 has numbers of seven signs\nset xrange [0:*]\nset "
+      "offsets 0, 0, graph 0.05, graph 0.05\n" +
       fmt::format(
           "plot 'contact_friction_curves.csv' using \"mu_p\":\"{0}\" with lines {1} title 'curve', "
           "\\\n     'contact_friction_tables.csv' using \"mu_p\":\"{0}\":\"{0} error\" with "

@@ -24,6 +24,7 @@ const std::map<std::string_view, std::string_view>& symbols() {
       {"chi", "<i>χ</i>"},
       {"delta", "<i>δ</i>"},
       {"f_B", "<i>f<sub>B</sub></i>"},
+      {"f_a", "<i>f<sub>a</sub></i>"},
       {"f_p", "<i>f<sub>p</sub></i>"},
       {"g_c", "<i>g<sub>c</sub></i>"},
       {"g_p", "<i>g<sub>p</sub></i>"},

@@ -144,6 +144,19 @@ TEST(SteadyState, NoiseThatHidesAnImbalanceOfForcesIsShort) {
   EXPECT_GE(quiet, 18);
 }
 
+TEST(SteadyState, SlowCompactionIsToleratedWhereTheFlowSaysSoAndNamed) {
+  auto frames = frames_of([](double) { return 2.0; }, 0.01, 160);
+  for (ProfileFrame& frame : frames) frame.centre_of_mass = 6.0 - 1e-4 * frame.begin;
+  SteadyCriteria cell = criteria;
+  EXPECT_EQ(assess(frames, cell).state, FlowState::drifting);
+  cell.compaction = 0.01;  // 0.032 of 6
+  const Assessment assessment = assess(frames, cell);
+  EXPECT_EQ(assessment.state, FlowState::steady) << assessment.reason;
+  EXPECT_NE(assessment.reason.find("slow compaction"), std::string::npos) << assessment.reason;
+  cell.compaction = 0.001;
+  EXPECT_EQ(assess(frames, cell).state, FlowState::drifting);
+}
+
 TEST(SteadyState, ABoxThatFlowsBothWaysRestsWhenItsFastestThirdDoes) {
   SteadyCriteria both_ways = criteria;
   both_ways.mean_flow = false;
