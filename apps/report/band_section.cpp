@@ -222,13 +222,13 @@ Html ring_part(const FlowComparison& flow) {
   for (const calibration::RingBandRow& row : flow.ring->rows) rows.rows.push_back(ring_row(row, d));
   const auto& top = flow.ring->rows.back();
   Html words =
-      text(fmt::format("Filling {:.3g} d = {:.3g} R_s. Highest fitted row, {:.3g} d: R_c/R_s "
-                       "= {:.4f} ± {:.4f}.",
-                       flow.ring->height / d,
-                       flow.ring->height / flow.split_radius,
-                       top.z / d,
-                       top.centre.value / flow.split_radius,
-                       top.centre.error / flow.split_radius));
+      typeset(fmt::format("Filling {:.3g} d = {:.3g} R_s. Highest fitted row, {:.3g} d: R_c/R_s "
+                          "= {:.4f} ± {:.4f}.",
+                          flow.ring->height / d,
+                          flow.ring->height / flow.split_radius,
+                          top.z / d,
+                          top.centre.value / flow.split_radius,
+                          top.centre.error / flow.split_radius));
   const auto& split = flow.tables.front().split_bottom;
   if (split && !split->rows.empty()) {
     words +=

@@ -16,6 +16,7 @@ const std::map<std::string_view, std::string_view>& symbols() {
       {"I_mu", "<i>I<sub>μ</sub></i>"},
       {"I_phi", "<i>I<sub>φ</sub></i>"},
       {"N_c", "<i>N<sub>c</sub></i>"},
+      {"R_c", "<i>R<sub>c</sub></i>"},
       {"R_s", "<i>R<sub>s</sub></i>"},
       {"Xi", "<i>Ξ</i>"},
       {"alpha", "<i>α</i>"},
