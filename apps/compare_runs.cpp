@@ -124,8 +124,7 @@ void add_bagnold(report::RunComparison& run, std::span<const dem::LocalData> fit
 /// The table with the no-slip height that the run itself shows.
 continuum::RheologyTable with_own_base(continuum::RheologyTable table,
                                        const calibration::FlowPoint& point) {
-  table.base = continuum::EffectiveBase{.no_slip_height = point.no_slip_height.value,
-                                        .mass_below = point.mass_below.value};
+  table.base = calibration::effective_base(point);
   table.covariance.reset();
   return table;
 }

@@ -46,8 +46,8 @@ void add_cohesion_lines(Summary& summary, const calibration::CohesionSeries& coh
   }
   for (const calibration::PooledCohesion& one : cohesion.pooled) {
     summary.add_estimate(
-        fmt::format("c0_{:.3g}", one.attraction),
-        fmt::format("c0 at f_a = {:.3g} m g", one.attraction),
+        fmt::format("c0_{:.3g}_{}", one.attraction, one.series),
+        fmt::format("c0 at f_a = {:.3g} m g, {}", one.attraction, one.series),
         one.cohesion.value,
         one.cohesion.error,
         one.tilts > 1 ? fmt::format("({} tilts, chance of one value {:.2g})", one.tilts, one.chance)

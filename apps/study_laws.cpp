@@ -79,8 +79,7 @@ RheologyTable bagnold_table(const dem::LocalData& run) {
                                          std::pow(run.conditions.grain_diameter / I, 2),
                                     .volume_fraction = point.volume_fraction.value,
                                     .inclination = run.conditions.inclination};
-  table.base = continuum::EffectiveBase{.no_slip_height = point.no_slip_height.value,
-                                        .mass_below = point.mass_below.value};
+  table.base = calibration::effective_base(point);
   return table;
 }
 

@@ -4,6 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "calibration/bagnold_solve.h"
 #include "calibration/model_choice.h"
@@ -73,7 +77,9 @@ PooledCohesion pool(const std::vector<const CohesivePoint*>& points, const dem::
   const Eigen::LDLT<Eigen::MatrixXd> solver(covariance);
   const Eigen::VectorXd ones = Eigen::VectorXd::Ones(n);
   const double weight = ones.dot(solver.solve(ones));
-  PooledCohesion result{.attraction = points.front()->attraction, .tilts = static_cast<int>(n)};
+  PooledCohesion result{.series = points.front()->series,
+                        .attraction = points.front()->attraction,
+                        .tilts = static_cast<int>(n)};
   result.cohesion = {ones.dot(solver.solve(c0)) / weight, std::sqrt(1.0 / weight)};
   const Eigen::VectorXd off = c0.array() - result.cohesion.value;
   const double freedom = static_cast<double>(n - 1);
@@ -92,18 +98,16 @@ void add_cohesion(CohesionSeries& series) {
     point.cohesion.error =
         std::hypot(point.cohesion.error, point.yield_stress.value * series.mu0->error / tangent);
   }
-  std::vector<double> strengths;
+  // Runs of two series differ in more than their tilt, even where the attraction is the same.
+  std::map<std::pair<std::string, double>, std::vector<const CohesivePoint*>> materials;
   for (const CohesivePoint& point : series.points) {
-    const bool known = std::ranges::find(strengths, point.attraction) != strengths.end();
-    if (point.attraction > 0.0 && !known) strengths.push_back(point.attraction);
-  }
-  for (const double strength : strengths) {
-    std::vector<const CohesivePoint*> points;
-    for (const CohesivePoint& point : series.points) {
-      const bool counts = point.attraction == strength && std::isfinite(point.cohesion.value);
-      if (counts && point.cohesion.error > 0.0) points.push_back(&point);
+    const bool counts = point.attraction > 0.0 && std::isfinite(point.cohesion.value);
+    if (counts && point.cohesion.error > 0.0) {
+      materials[{point.series, point.attraction}].push_back(&point);
     }
-    if (!points.empty()) series.pooled.push_back(pool(points, *series.mu0));
+  }
+  for (const auto& [material, points] : materials) {
+    series.pooled.push_back(pool(points, *series.mu0));
   }
 }
 

@@ -26,8 +26,9 @@ struct CohesivePoint {
   double flowing_height() const { return plug ? plug->height : layer_height; }
 };
 
-/// Is c0 one value for all tilts?
+/// Is c0 one value for all tilts of a series?
 struct PooledCohesion {
+  std::string series;
   double attraction = 0.0;   ///< [m g]
   dem::Estimate cohesion{};  ///< c0, mean over the tilts weighted with their errors [stress]
   int tilts = 0;
@@ -38,7 +39,7 @@ struct PooledCohesion {
 struct CohesionSeries {
   std::optional<dem::Estimate> mu0{};  ///< of mu(I) fitted to the chutes without cohesion
   std::vector<CohesivePoint> points;
-  std::vector<PooledCohesion> pooled;  ///< by attraction, 0 left out
+  std::vector<PooledCohesion> pooled;  ///< by series and attraction, 0 left out
   std::vector<std::string> left_out;   ///< sentences
 };
 

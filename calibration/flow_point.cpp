@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 
@@ -162,6 +163,11 @@ FlowPoint flow_point(const dem::LocalData& data, const RowSelection& selection) 
   store_softness_range(data.conditions, point);
   note_imbalance(point);
   return point;
+}
+
+continuum::EffectiveBase effective_base(const FlowPoint& point) {
+  return {.no_slip_height = std::max(0.0, point.no_slip_height.value),
+          .mass_below = std::max(0.0, point.mass_below.value)};
 }
 
 dem::Estimate friction_for_fit(const FlowPoint& point) {

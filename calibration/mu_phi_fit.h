@@ -39,6 +39,10 @@ struct MuPhiFit {
 /// Measures the point of one run. Throws FitError like fit_bagnold.
 FlowPoint flow_point(const dem::LocalData& data, const RowSelection& selection = {});
 
+/// Where the run's own velocities reach 0. A table's layer begins at the top of the base at the
+/// lowest: grains that slip there, whose velocities point below it, have u = 0 at the top.
+continuum::EffectiveBase effective_base(const FlowPoint& point);
+
 /// Friction as a law uses it: tan(theta) without error where the measured one agrees with it within
 /// three standard errors (exact in steady flow by the balance of forces), else the measured one.
 dem::Estimate friction_for_fit(const FlowPoint& point);

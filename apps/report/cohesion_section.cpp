@@ -67,8 +67,10 @@ Html one_value(const CohesionSeries& cohesion) {
   std::string sentence =
       fmt::format("mu0 = {} from the chutes without cohesion.", with_error(*cohesion.mu0));
   for (const calibration::PooledCohesion& one : cohesion.pooled) {
-    sentence += fmt::format(
-        " f_a = {} m g: c0 = {}", significant(one.attraction, 3), with_error(one.cohesion));
+    sentence += fmt::format(" {}, f_a = {} m g: c0 = {}",
+                            one.series,
+                            significant(one.attraction, 3),
+                            with_error(one.cohesion));
     sentence += std::isfinite(one.chance)
                     ? fmt::format(
                           " over {} runs, which {} (probability that one value scatters "

@@ -59,7 +59,8 @@ json cohesive_point_json(const calibration::CohesivePoint& point) {
 }
 
 json pooled_json(const calibration::PooledCohesion& one) {
-  return {{"attraction", one.attraction},
+  return {{"series", one.series},
+          {"attraction", one.attraction},
           {"c0", estimate_json(one.cohesion)},
           {"tilts", one.tilts},
           {"chance", one.chance}};

@@ -93,6 +93,19 @@ TEST(CohesionSeries, ValuesThatDifferAreNotOneCohesion) {
   EXPECT_LT(series.pooled[0].chance, 0.01);
 }
 
+TEST(CohesionSeries, AnotherSeriesIsAnotherMaterial) {
+  auto runs = without_cohesion();
+  runs.push_back(run(chute(23, 0.6, 4), 8.6));
+  runs.push_back(run(chute(25, 1.2, 5), 8.6));
+  std::vector<SeriesRun> entries;
+  for (const dem::LocalData& data : runs) entries.push_back({"cohesion", &data});
+  entries.back().series = "friction bounded otherwise";
+  const CohesionSeries series = cohesion_series(entries);
+  ASSERT_EQ(series.pooled.size(), 2u);
+  EXPECT_EQ(series.pooled[0].tilts, 1);
+  EXPECT_EQ(series.pooled[1].tilts, 1);
+}
+
 TEST(CohesionSeries, WithoutThreeLooseChutesThereIsNoMu0) {
   const CohesionSeries series = series_of({run(chute(23, 0.6, 4), 8.6)});
   EXPECT_FALSE(series.mu0);

@@ -65,6 +65,14 @@ const continuum::MuPhi& law_of(const MuPhiFit& fit) {
   return std::get<continuum::MuPhi>(fit.table.law);
 }
 
+TEST(FlowPoint, BaseThatGrainsSlipOnBeginsAtItsTop) {
+  FlowPoint point;
+  point.no_slip_height.value = -0.4;
+  point.mass_below.value = -0.2;
+  EXPECT_EQ(effective_base(point).no_slip_height, 0.0);
+  EXPECT_EQ(effective_base(point).mass_below, 0.0);
+}
+
 TEST(FlowPoint, ExactProfileGivesItsInertialNumberAndBase) {
   const Material material;
   const FlowPoint point = flow_point(local_data(chute(material, 23)));
