@@ -22,7 +22,9 @@ std::optional<RunProgress> RunProgress::parse(std::string_view text) {
 RunProgress run_progress(const dem::Progress& now, const Pace& pace) {
   const bool begun = !now.settling && now.expected_end > 0.0;
   const double left = pace.seconds_left();
-  return {.share = begun ? std::clamp(now.time / now.expected_end, 0.0, 1.0) : 0.0,
+  // A run may outlast what is expected of it; finish() says when it is done.
+  constexpr double nearly_done = 0.99;
+  return {.share = begun ? std::clamp(now.time / now.expected_end, 0.0, nearly_done) : 0.0,
           .seconds_left = left,
           .seconds = now.wall_seconds + left};
 }
