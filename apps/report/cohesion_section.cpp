@@ -62,25 +62,26 @@ Table yield_table(const CohesionSeries& cohesion) {
   return result;
 }
 
-Html one_value(const CohesionSeries& cohesion) {
-  if (!cohesion.mu0) return {};
-  std::string sentence =
-      fmt::format("mu0 = {} from the chutes without cohesion.", with_error(*cohesion.mu0));
+Table one_value(const CohesionSeries& cohesion) {
+  Table result{.caption = typeset(fmt::format(
+                   "c0 over the tilts of a series, with mu0 = {} of the chutes without cohesion. "
+                   "Chance: that runs with one c0 differ as much.",
+                   with_error(*cohesion.mu0))),
+               .head = {"Series"_html,
+                        "<i>f<sub>a</sub></i>/(<i>mg</i>)"_html,
+                        "<i>c</i><sub>0</sub>"_html,
+                        "Runs"_html,
+                        "Chance"_html},
+               .rows = {},
+               .text_columns = 1};
   for (const calibration::PooledCohesion& one : cohesion.pooled) {
-    sentence += fmt::format(" {}, f_a = {} m g: c0 = {}",
-                            one.series,
-                            significant(one.attraction, 3),
-                            with_error(one.cohesion));
-    sentence += std::isfinite(one.chance)
-                    ? fmt::format(
-                          " over {} runs, which {} (probability that one value scatters "
-                          "as much: {}).",
-                          one.tilts,
-                          one.chance < 0.05 ? "do not agree" : "agree",
-                          significant(one.chance, 2))
-                    : ".";
+    result.rows.push_back({text(one.series),
+                           text(significant(one.attraction, 3)),
+                           text(with_error(one.cohesion)),
+                           text(fmt::format("{}", one.tilts)),
+                           text(std::isfinite(one.chance) ? significant(one.chance, 2) : "–")});
   }
-  return paragraph(typeset(sentence));
+  return result;
 }
 
 /// Xi at h/2 of one run, beside its yield stress.
@@ -90,8 +91,15 @@ const calibration::ContactPoint* ratio_of(const SeriesReport& series, const std:
   return found == series.contacts.points.end() ? nullptr : &*found;
 }
 
-/// Points of one tilt, by attraction.
-Csv points_csv(const SeriesReport& series, double inclination) {
+/// Runs that differ in their attraction only.
+struct Group {
+  std::string series;
+  double inclination = 0.0;  ///< [rad]
+  std::string label;         ///< in figures
+};
+
+/// By attraction, those without any at its left end.
+Csv points_csv(const SeriesReport& series, const Group& group) {
   Csv csv{.columns = {"fa",
                       "tau_c weight",
                       "tau_c weight error",
@@ -103,7 +111,8 @@ Csv points_csv(const SeriesReport& series, double inclination) {
                       "Xi law"},
           .rows = {}};
   for (const CohesivePoint& point : series.cohesion->points) {
-    if (point.inclination != inclination) continue;
+    const bool of_series = point.series == group.series || point.attraction == 0.0;
+    if (point.inclination != group.inclination || !of_series) continue;
     const dem::Estimate weight =
         point.plug ? point.plug->yield_stress_from_weight : dem::Estimate{nan, nan};
     const calibration::ContactPoint* contacts = ratio_of(series, point.name);
@@ -127,16 +136,22 @@ std::string file_of(std::size_t k) {
   return fmt::format("cohesion_{}.csv", k + 1);
 }
 
-/// Tilts of the cohesive runs, in the order of the runs.
-std::vector<double> tilts_of(const CohesionSeries& cohesion) {
-  std::vector<double> tilts;
+/// In the order of the runs. The first series needs no name of its own.
+std::vector<Group> groups_of(const CohesionSeries& cohesion) {
+  std::vector<Group> groups;
   for (const CohesivePoint& point : cohesion.points) {
     if (point.attraction == 0.0) continue;
-    if (std::ranges::find(tilts, point.inclination) == tilts.end()) {
-      tilts.push_back(point.inclination);
-    }
+    const auto same = [&](const Group& group) {
+      return group.series == point.series && group.inclination == point.inclination;
+    };
+    if (std::ranges::any_of(groups, same)) continue;
+    const bool is_first = groups.empty() || point.series == groups.front().series;
+    groups.push_back(
+        {.series = point.series,
+         .inclination = point.inclination,
+         .label = degrees(point.inclination) + (is_first ? "" : ", " + plot_text(point.series))});
   }
-  return tilts;
+  return groups;
 }
 
 std::string head(const std::string& name, const char* y) {
@@ -147,44 +162,55 @@ std::string head(const std::string& name, const char* y) {
              y);
 }
 
-Figure yield_figure(const std::vector<double>& tilts) {
-  std::string parts;
-  for (std::size_t k = 0; k < tilts.size(); ++k) {
-    parts += fmt::format(
-        "{0}'{1}' using \"fa\":\"tau_c pairs\":\"tau_c pairs error\" with yerrorbars {2} title "
-        "'{3}, pairs', \\\n     '{1}' using \"fa\":\"tau_c weight\":\"tau_c weight error\" with "
-        "yerrorbars {4} title '{3}, weight of the plug'",
-        k == 0 ? "" : ", \\\n     ",
-        file_of(k),
-        point_style(2 * k),
-        degrees(tilts[k]),
-        point_style(2 * k + 1));
-  }
-  return {.name = "cohesion_yield",
-          .script = head("cohesion_yield", "τ_c {/:Italic d}²/({/:Italic m g})") + parts + "\n",
-          .label = "Yield stress against attraction",
-          .caption =
-              "Yield stress on the incline, from stress–rate pairs and from the weight of "
-              "the plug; bars: one standard error"_html};
+/// Points of several groups at one attraction stand beside each other.
+std::string abscissa(double place) {
+  return fmt::format("(column(\"fa\") + {:.2f})", 0.25 * place);
 }
 
-Figure ratio_figure(const std::vector<double>& tilts, bool with_law) {
-  std::string parts;
-  for (std::size_t k = 0; k < tilts.size(); ++k) {
-    parts += fmt::format(
-        "{}'{}' using \"fa\":\"Xi\":\"Xi low\":\"Xi high\" with yerrorbars {} title '{}'",
-        k == 0 ? "" : ", \\\n     ",
+std::string joined(const std::vector<std::string>& parts) {
+  return fmt::format("{}\n", fmt::join(parts, ", \\\n     "));
+}
+
+Figure yield_figure(const std::vector<Group>& groups) {
+  std::vector<std::string> parts;
+  for (std::size_t k = 0; k < groups.size(); ++k) {
+    const auto place = static_cast<double>(2 * k);
+    parts.push_back(fmt::format(
+        "'{}' using {}:\"tau_c pairs\":\"tau_c pairs error\" with yerrorbars {} title '{}'",
         file_of(k),
+        abscissa(place),
         point_style(k),
-        degrees(tilts[k]));
+        groups[k].label));
+    parts.push_back(fmt::format(
+        "'{}' using {}:\"tau_c weight\":\"tau_c weight error\" with yerrorbars {} notitle",
+        file_of(k),
+        abscissa(place + 1.0),
+        hollow_style(k)));
+  }
+  return {
+      .name = "cohesion_yield",
+      .script = head("cohesion_yield", "τ_c {/:Italic d}²/({/:Italic m g})") + joined(parts),
+      .label = "Yield stress against attraction",
+      .caption =
+          "Yield stress on the incline, from stress–rate pairs (filled) and from the weight "
+          "of the plug (hollow); beside each other: one attraction. Bars: one standard error"_html};
+}
+
+Figure ratio_figure(const std::vector<Group>& groups, bool with_law) {
+  std::vector<std::string> parts;
+  for (std::size_t k = 0; k < groups.size(); ++k) {
+    parts.push_back(
+        fmt::format("'{}' using {}:\"Xi\":\"Xi low\":\"Xi high\" with yerrorbars {} title '{}'",
+                    file_of(k),
+                    abscissa(static_cast<double>(k)),
+                    point_style(k),
+                    groups[k].label));
     if (!with_law) continue;
-    parts += fmt::format(", \\\n     '{}' using \"fa\":\"Xi law\" with lines {} title '{}, law'",
-                         file_of(k),
-                         line_style(k),
-                         degrees(tilts[k]));
+    parts.push_back(fmt::format(
+        "'{}' using \"fa\":\"Xi law\" with lines {} notitle", file_of(k), line_style(k)));
   }
   return {.name = "cohesion_ratio",
-          .script = head("cohesion_ratio", "Ξ at half the flowing height") + parts + "\n",
+          .script = head("cohesion_ratio", "Ξ at half the flowing height") + joined(parts),
           .label = "Ratio of the linear to the quadratic stress against attraction",
           .caption =
               "<i>Ξ</i> at half the flowing height; bars: 95 %, none where Ξ has no limit; "
@@ -196,20 +222,20 @@ Figure ratio_figure(const std::vector<double>& tilts, bool with_law) {
 Html cohesion_tables(const CohesionSeries& cohesion) {
   std::vector<Html> items;
   for (const std::string& sentence : cohesion.left_out) items.push_back(typeset(sentence));
-  return table(yield_table(cohesion)) + one_value(cohesion) +
+  return table(yield_table(cohesion)) + (cohesion.mu0 ? table(one_value(cohesion)) : Html{}) +
          (items.empty() ? Html{} : list(items));
 }
 
 std::map<std::string, Csv> cohesion_data(const SeriesReport& series) {
   std::map<std::string, Csv> data;
-  const std::vector<double> tilts = tilts_of(*series.cohesion);
-  for (std::size_t k = 0; k < tilts.size(); ++k) data[file_of(k)] = points_csv(series, tilts[k]);
+  const std::vector<Group> groups = groups_of(*series.cohesion);
+  for (std::size_t k = 0; k < groups.size(); ++k) data[file_of(k)] = points_csv(series, groups[k]);
   return data;
 }
 
 std::vector<Figure> cohesion_figures(const SeriesReport& series) {
-  const std::vector<double> tilts = tilts_of(*series.cohesion);
-  return {yield_figure(tilts), ratio_figure(tilts, !series.law_name.empty())};
+  const std::vector<Group> groups = groups_of(*series.cohesion);
+  return {yield_figure(groups), ratio_figure(groups, !series.law_name.empty())};
 }
 
 }  // namespace grainlaw::report

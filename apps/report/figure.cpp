@@ -101,6 +101,11 @@ std::string point_style(std::size_t k) {
   return fmt::format("pt {} ps 0.5 lc rgb '{}'", style.point, style.colour);
 }
 
+std::string hollow_style(std::size_t k) {
+  const SeriesStyle& style = series[k % series.size()];
+  return fmt::format("pt {} ps 0.6 lc rgb '{}'", style.point - 1, style.colour);
+}
+
 std::string line_style(std::size_t k) {
   const SeriesStyle& style = series[k % series.size()];
   return fmt::format("dt {} lw 1.5 lc rgb '{}'", style.dash, style.colour);

@@ -69,6 +69,7 @@ inline constexpr std::string_view band = "#808890";
 
 /// Point shape, dash and colour of the k-th series of a figure, as gnuplot options.
 std::string point_style(std::size_t k);
+std::string hollow_style(std::size_t k);
 std::string line_style(std::size_t k);
 
 /// A logarithmic axis with labels close enough for its span; left to itself gnuplot labels powers
