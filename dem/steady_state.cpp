@@ -15,7 +15,7 @@ namespace grainlaw::dem {
 namespace {
 
 constexpr double confidence = 0.99;
-constexpr double balance = 0.02;  // of the drive: no steady flow of data/local exceeds 0.003
+constexpr double balance = 0.05;  // of the drive: no steady flow of data/local exceeds 0.003
 
 enum class Quantity { velocity, energy, height };
 

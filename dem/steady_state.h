@@ -46,7 +46,7 @@ struct Assessment {
 /// standard error. The rest is steady when it is at least averaging_time long and no straight line
 /// through any of the series drifts at 99 % confidence. A drift is seen from about nine standard
 /// errors of the mean on; frames that do not hold the beginning of a slow approach do not tell that
-/// they end one. Under a drive the mean velocity must also be known to gain or lose less than 2 %
+/// they end one. Under a drive the mean velocity must also be known to gain or lose less than 5 %
 /// of it: where friction and drive may differ by more, no drift that is seen tells little. A flow
 /// that is steady while it compacts says so in its reason. Frames that begin before the last change of the drive are not judged.
 Assessment assess(std::span<const ProfileFrame> frames, const SteadyCriteria& criteria);
