@@ -25,9 +25,10 @@ struct alignas(64) ImageShift {
 /// along x; when the height changes it moves along y too.
 struct Box {
   Vec3 period{};
-  double offset = 0.0;  ///< of the image above, along x [length]
-  Vec3 top_velocity{};  ///< of the image above [length/time]
-  double wedge = 0.0;   ///< angle of a section about z that repeats by rotation; 0: none [rad]
+  double offset = 0.0;       ///< of the image above, along x [length]
+  Vec3 top_velocity{};       ///< of the image above [length/time]
+  Vec3 half_top_velocity{};  ///< the same half a step before, at the time of half-step velocities
+  double wedge = 0.0;        ///< angle of a section about z that repeats by rotation; 0: none [rad]
 
   /// The nearest image of a point at -difference, as seen from the origin.
   Image nearest_image(const Vec3& difference) const {

@@ -17,7 +17,9 @@ void move(const Still&, double, Box&, Particles&) {}
 void move(const BoxDrive& drive, double dt, Box& box, Particles&) {
   const double old_height = box.period.y;
   box.period.y += dt * drive.height_rate;
-  box.offset += dt * drive.shear_rate * 0.5 * (old_height + box.period.y);
+  const double half_height = 0.5 * (old_height + box.period.y);
+  box.offset += dt * drive.shear_rate * half_height;
+  box.half_top_velocity = {drive.shear_rate * half_height, drive.height_rate, 0.0};
   box.top_velocity = {drive.shear_rate * box.period.y,
                       drive.height_rate + 0.5 * dt * drive.height_acceleration,
                       0.0};
@@ -64,7 +66,10 @@ void react(BoxDrive& drive,
     sine->wave_number = 2.0 * std::numbers::pi / height;
     sine->strain_rate = strain_rate;
     sine->strain_rate_rate = strain_rate_rate;
-    sine->middle = 0.5 * height;
+  } else if (auto* affine = std::get_if<Affine>(&dynamics.field)) {
+    affine->shear_rate = drive.shear_rate;
+    affine->strain_rate = strain_rate;
+    affine->strain_rate_rate = strain_rate_rate;
   } else {
     dynamics.field = Affine{drive.shear_rate, strain_rate, strain_rate_rate, 0.5 * height};
   }

@@ -25,12 +25,14 @@ struct Sine {
 
 /// What keeps a periodic box homogeneous while its height changes: for velocities that follow
 /// v = G x + peculiar, G = (shear_rate, strain_rate) d/dy, the images ask of every grain the
-/// acceleration (dG/dt + G G) x. It vanishes while the height stands still.
+/// acceleration (dG/dt + G G) x. It vanishes while the height stands still. x counts from a place
+/// that stays where it is: about the middle of the moving box the mean acceleration would be
+/// e^2 L_y / 2, and the packing would drift along y ever faster.
 struct Affine {
   double shear_rate = 0.0;        ///< [1/time]
   double strain_rate = 0.0;       ///< e = dL_y/dt / L_y [1/time]
   double strain_rate_rate = 0.0;  ///< de/dt [1/time^2]
-  double middle = 0.0;            ///< y where it vanishes [length]
+  double middle = 0.0;            ///< y where it vanishes, that of the first box's middle [length]
 };
 
 /// What moves solid spheres besides their contacts.

@@ -117,10 +117,10 @@ Wrapping wrap(Particles& particles, const Box& box, std::vector<double>* turns) 
     done.displacement += mass * (grain.position - before);
     if (above == 0.0) continue;
     // The velocity half a step before: the force of this step works on the new image already.
-    const Vec3 change = -above * box.top_velocity;
+    const Vec3 change = -above * box.half_top_velocity;
     const Vec3 before_change = particles.half[i].velocity;
     done.kinetic_energy += mass * dot(change, before_change + 0.5 * change);
-    grain.velocity += change;
+    grain.velocity -= above * box.top_velocity;
     particles.half[i].velocity += change;
   }
   return done;

@@ -48,7 +48,8 @@ struct Assessment {
 /// errors of the mean on; frames that do not hold the beginning of a slow approach do not tell that
 /// they end one. Under a drive the mean velocity must also be known to gain or lose less than 5 %
 /// of it: where friction and drive may differ by more, no drift that is seen tells little. A flow
-/// that is steady while it compacts says so in its reason. Frames that begin before the last change of the drive are not judged.
+/// that is steady while it compacts says so in its reason. Frames that begin before the last change
+/// of the drive are not judged.
 Assessment assess(std::span<const ProfileFrame> frames, const SteadyCriteria& criteria);
 
 /// The window of an assessment.
