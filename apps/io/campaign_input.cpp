@@ -124,7 +124,8 @@ void read_series_keys(InputFile& in, Keys& keys) {
                             "their Bagnold laws is held against how long their contacts last");
   for (Section& section : keys.series) {
     ChuteSeries series;
-    series.name = section.read<std::string>({"name", "of the series: runs of one material, of which c0 is one value over its tilts"});
+    series.name = section.read<std::string>(
+        {"name", "of the series: runs of one material, of which c0 is one value over its tilts"});
     auto scenes = section.read<std::vector<std::string>>(
         {"scenes",
          "chutes, relative to this file; their [lifetimes] are compared where they have them"});
