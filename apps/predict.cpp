@@ -263,6 +263,7 @@ ExitCode predict_steady(const Arguments& arguments,
 
 ExitCode predict(const Arguments& arguments, const CommonOptions& options) {
   refuse_overwriting_input(arguments.output, {arguments.question, arguments.table});
+  refuse_overwriting_run(arguments.output);
   io::CaseFile file = io::read_case(arguments.question);
   const continuum::RheologyTable table =
       io::in_grain_units(io::read_table(arguments.table), file.units);

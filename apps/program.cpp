@@ -93,6 +93,15 @@ void refuse_overwriting_input(const std::string& output, const std::vector<std::
   }
 }
 
+void refuse_overwriting_run(const std::string& output) {
+  std::ifstream file(output, std::ios::binary);
+  std::string begin(4, ' ');
+  if (file.read(begin.data(), 4) && begin == "\x89HDF") {
+    throw io::InputError(
+        fmt::format("{}: is an HDF5 file and would be overwritten; choose another -o", output));
+  }
+}
+
 void require_writable(const std::string& path) {
   const std::filesystem::path folder = std::filesystem::absolute(path).parent_path();
   if (access(folder.c_str(), W_OK) != 0) {

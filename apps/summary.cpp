@@ -112,7 +112,12 @@ std::string Summary::json() const {
     nlohmann::ordered_json& target = object[entry.key];
     if (entry.has_error) {
       target["value"] = number(std::get<double>(entry.value));
-      target["error"] = number(entry.error);
+      // As in the text: no error is none, not an exact value.
+      if (entry.error > 0.0) {
+        target["error"] = number(entry.error);
+      } else {
+        target["error"] = nullptr;
+      }
       if (!entry.trust.convergence.empty()) {
         target["half_width_95"] = number(entry.trust.half_width_95);
         target["convergence"] = entry.trust.convergence;

@@ -76,7 +76,7 @@ set key at screen {3:.3f},0.99 left top Left reverse horizontal samplen 1.6 widt
                      name,
                      size.width,
                      size.height,
-                     62.0 / size.width,
+                     70.0 / size.width,
                      52.0 / size.height,
                      1.0 - 46.0 / size.height);
 }

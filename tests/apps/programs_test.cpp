@@ -256,6 +256,19 @@ TEST_F(Programs, AnInputIsNeverOverwritten) {
   EXPECT_NE(answer.text.find("overwritten"), std::string::npos) << answer.text;
 }
 
+TEST_F(Programs, ARunIsNeverOverwrittenByAProfile) {
+  const std::string run_file = write("run.h5", "\x89HDF and hours of DEM");
+  const Output answer = grainlaw("predict " + chute_case("24") + published + " -o " + run_file);
+  EXPECT_EQ(answer.code, 1);
+  EXPECT_NE(answer.text.find("HDF5"), std::string::npos) << answer.text;
+}
+
+TEST_F(Programs, AnErrorThatIsNotKnownIsNull) {
+  const Output answer = grainlaw("predict " + chute_case("24") + published + " --json");
+  ASSERT_EQ(answer.code, 0) << answer.text;
+  EXPECT_TRUE(nlohmann::json::parse(answer.text)["surface_velocity"]["error"].is_null());
+}
+
 TEST_F(Programs, AClosedStderrIsNoReasonToCrash) {
   EXPECT_EQ(run("(" + bin + "/grainlaw predict " + chute_case("15") + published + " 2>&-)").code,
             2);
