@@ -282,8 +282,8 @@ SteadyCriteria steady_criteria(const Scene& scene) {
     criteria.rest_velocity = 1e-3 * std::sqrt(driven->amplitude * scene.grains.diameter);
     criteria.rest_time = 20.0 * std::sqrt(scene.grains.diameter / driven->amplitude);
   } else if (std::holds_alternative<SplitBottom>(scene.geometry)) {
-    criteria.compaction =
-        0.01;  // what lies outside the band compacts long after the band is steady
+    // What lies outside the band compacts long after the band is steady.
+    criteria.compaction = 0.01;
   } else if (const auto* chute = std::get_if<Chute>(&scene.geometry)) {
     const double d = scene.grains.diameter;
     const double fall = dense_fraction * chute->gravity * std::cos(last_inclination(*chute));

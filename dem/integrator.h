@@ -32,7 +32,7 @@ struct Affine {
   double shear_rate = 0.0;        ///< [1/time]
   double strain_rate = 0.0;       ///< e = dL_y/dt / L_y [1/time]
   double strain_rate_rate = 0.0;  ///< de/dt [1/time^2]
-  double middle = 0.0;            ///< y where it vanishes, that of the first box's middle [length]
+  double middle = 0.0;  ///< y where it vanishes: the middle of the box at the start [length]
 };
 
 /// What moves solid spheres besides their contacts.

@@ -206,7 +206,7 @@ Assessment judge_drift(std::span<const ProfileFrame> frames,
   std::size_t first = 0;
   const std::span<const Series> judged = series.subspan(criteria.mean_flow ? 0 : 1);
   for (const Series& s : judged) {
-    // Of a ramp the rule cuts as much as it may.
+    // Of a ramp, as slow compaction is, the rule cuts as much as it may.
     if (s.quantity == Quantity::height && criteria.compaction > 0.0) continue;
     first = std::max(first, mser_truncation(s.values));
   }
