@@ -1,9 +1,13 @@
 #include "continuum/nonlocal_fluidity.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
+
+#include "continuum/rheology_table.h"
 
 namespace grainlaw::continuum {
 namespace {
@@ -97,6 +101,14 @@ std::optional<FluidityTerms> fluidity_terms(const FlowCurve& curve, double tau, 
   if (distance <= 0.0) return std::nullopt;
   return FluidityTerms{.gain = curve.linear / pressure * excess / distance,
                        .loss = curve.linear / pressure * tau / (pressure * std::sqrt(pressure))};
+}
+
+void require_linear_onset(const InertialFriction& law) {
+  if (!law.exponent && !law.tabulated) return;
+  throw TableError(fmt::format(
+      "the nonlocal fluidity is built on a law linear in I where flow begins: this table has {}; "
+      "leave out the nonlocal amplitude",
+      law.exponent ? "a power of I" : "a tabulated mu(I)"));
 }
 
 double cooperativity_length(double amplitude, const InertialFriction& law, double mu) {

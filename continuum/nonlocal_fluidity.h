@@ -32,6 +32,10 @@ struct FluidityTerms {
 /// Units d = rho_p = 1.
 std::optional<FluidityTerms> fluidity_terms(const FlowCurve& curve, double tau, double pressure);
 
+/// The equation above is that of a law linear in I where flow begins: throws TableError for a power
+/// of I and a tabulated mu(I).
+void require_linear_onset(const InertialFriction& law);
+
 /// xi(mu) = A d sqrt((mu_2 - mu) / (Dmu |mu - mu_s|)), over which flow reaches into parts below
 /// yield; infinite at mu = mu_s [d].
 double cooperativity_length(double amplitude, const InertialFriction& law, double mu);

@@ -2,8 +2,6 @@
 
 #include <cvode/cvode.h>
 #include <fmt/format.h>
-#include <nvector/nvector_serial.h>
-#include <sundials/sundials_context.h>
 #include <sunlinsol/sunlinsol_band.h>
 #include <sunmatrix/sunmatrix_band.h>
 
@@ -12,17 +10,11 @@
 #include <cstdlib>
 #include <exception>
 
+#include "continuum/sundials_handles.h"
+
 namespace grainlaw::continuum {
 namespace {
 
-static_assert(std::is_same_v<sunrealtype, double>);
-
-struct FreeContext {
-  void operator()(SUNContext context) const { SUNContext_Free(&context); }
-};
-struct FreeVector {
-  void operator()(N_Vector vector) const { N_VDestroy(vector); }
-};
 struct FreeMatrix {
   void operator()(SUNMatrix matrix) const { SUNMatDestroy(matrix); }
 };
@@ -32,27 +24,9 @@ struct FreeLinearSolver {
 struct FreeCvode {
   void operator()(void* memory) const { CVodeFree(&memory); }
 };
-using Context = std::unique_ptr<std::remove_pointer_t<SUNContext>, FreeContext>;
-using Vector = std::unique_ptr<std::remove_pointer_t<N_Vector>, FreeVector>;
 using Matrix = std::unique_ptr<std::remove_pointer_t<SUNMatrix>, FreeMatrix>;
 using LinearSolver = std::unique_ptr<std::remove_pointer_t<SUNLinearSolver>, FreeLinearSolver>;
 using Cvode = std::unique_ptr<void, FreeCvode>;
-
-std::span<double> values(N_Vector vector) {
-  return {N_VGetArrayPointer(vector), static_cast<std::size_t>(N_VGetLength(vector))};
-}
-
-Context make_context() {
-  SUNContext context = nullptr;
-  if (SUNContext_Create(nullptr, &context) != 0) throw SolverError("SUNContext_Create failed");
-  return Context(context);
-}
-
-template <class Handle>
-Handle checked(Handle handle, const char* call) {
-  if (!handle) throw SolverError(fmt::format("{} failed (out of memory?)", call));
-  return handle;
-}
 
 /// What the callbacks see: the system, its tolerances, and what went wrong inside them. No
 /// exception may cross C.
@@ -129,9 +103,9 @@ struct OdeSolver::Implementation {
   Implementation(const OdeSystem& system, std::span<const double> start, const OdeOptions& options)
       : callback{system, options.relative_tolerance, options.absolute_tolerance, {}, {}},
         context(make_context()),
-        state(checked(Vector(N_VNew_Serial(static_cast<long>(start.size()), context.get())),
+        state(checked(SundialsVector(N_VNew_Serial(static_cast<long>(start.size()), context.get())),
                       "N_VNew_Serial")),
-        scratch(checked(Vector(N_VClone(state.get())), "N_VClone")),
+        scratch(checked(SundialsVector(N_VClone(state.get())), "N_VClone")),
         matrix(checked(Matrix(SUNBandMatrix(static_cast<long>(start.size()),
                                             system.bandwidth().upper,
                                             system.bandwidth().lower,
@@ -210,7 +184,7 @@ struct OdeSolver::Implementation {
   }
 
   std::size_t fastest_component() {
-    const Vector weights = checked(Vector(N_VClone(state.get())), "N_VClone");
+    const SundialsVector weights = checked(SundialsVector(N_VClone(state.get())), "N_VClone");
     check(CVodeGetErrWeights(cvode.get(), weights.get()), "CVodeGetErrWeights");
     const auto change = values(scratch.get());
     callback.system.rate(time, values(state.get()), change);
@@ -223,9 +197,9 @@ struct OdeSolver::Implementation {
   }
 
   Callback callback;  // its address is known to CVODE: this struct never moves
-  Context context;
-  Vector state;
-  Vector scratch;
+  SundialsContext context;
+  SundialsVector state;
+  SundialsVector scratch;
   Matrix matrix;
   LinearSolver linear_solver;
   Cvode cvode;

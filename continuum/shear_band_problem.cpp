@@ -101,12 +101,7 @@ BandProblem make_problem(const RheologyTable& table,
     throw TableError(
         "a generalised Bagnold law holds at its own tilt only: a shear band needs a table of "
         "mu(I) and phi(I)");
-  if (band.nonlocal_amplitude.value_or(0.0) > 0.0 &&
-      (law->friction.exponent || law->friction.tabulated))
-    throw TableError(fmt::format(
-        "the nonlocal fluidity is built on a law linear in I where flow begins: this table has {}; "
-        "leave out the nonlocal amplitude",
-        law->friction.exponent ? "a power of I" : "a tabulated mu(I)"));
+  if (band.nonlocal_amplitude.value_or(0.0) > 0.0) require_linear_onset(law->friction);
   BandProblem problem{.law = *law, .grains = {}, .flow = {}};
   if (band.grains.stiffness)
     problem.grains.stiffness = *band.grains.stiffness / (units.stress * units.length);

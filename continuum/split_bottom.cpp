@@ -69,36 +69,6 @@ void require_positive(const char* name, double value) {
     throw std::invalid_argument(fmt::format("{} = {} must be finite and positive", name, value));
 }
 
-void check(const SplitBottomCase& cell, int rows) {
-  require_positive("split radius", cell.split_radius);
-  require_positive("depth", cell.depth);
-  require_positive("rotation rate", cell.rotation_rate);
-  require_positive("gravity", cell.gravity);
-  require_positive("grain diameter", cell.grains.diameter);
-  require_positive("grain density", cell.grains.density);
-  if (cell.surface_width) require_positive("surface width", *cell.surface_width);
-  constexpr double most = 1e60;  // beyond it powers of the depth are no numbers any more
-  const double depth = cell.depth / cell.grains.diameter;
-  if (!(depth > 1.0 / most && depth < most))
-    throw std::invalid_argument(
-        fmt::format("depth = {} is {:.3g} d: it must lie between {:g} and {:g} d",
-                    cell.depth,
-                    depth,
-                    1.0 / most,
-                    most));
-  if (rows < 2) throw std::invalid_argument("at least 2 rows are needed");
-}
-
-/// Grains in units d = rho_p = g = 1.
-GrainProperties dimensionless(const SplitBottomCase& cell) {
-  const double d = cell.grains.diameter;
-  const double stress = cell.grains.density * cell.gravity * d;
-  GrainProperties grains;
-  if (cell.grains.stiffness) grains.stiffness = *cell.grains.stiffness / (stress * d);
-  if (cell.grains.adhesion) grains.adhesion = *cell.grains.adhesion / (stress * d * d);
-  return grains;
-}
-
 /// State at the centre of the band in units d = rho_p = g = 1, its rate and pressure given.
 void add_material(const MuPhi& law, const GrainProperties& grains, SplitBottomRow& row) {
   const Confinement at = confinement(grains, row.pressure);
@@ -201,6 +171,34 @@ std::string no_single_path(double ratio, const BandPaths& paths) {
 
 }  // namespace
 
+void check(const SplitBottomCase& cell) {
+  require_positive("split radius", cell.split_radius);
+  require_positive("depth", cell.depth);
+  require_positive("rotation rate", cell.rotation_rate);
+  require_positive("gravity", cell.gravity);
+  require_positive("grain diameter", cell.grains.diameter);
+  require_positive("grain density", cell.grains.density);
+  if (cell.surface_width) require_positive("surface width", *cell.surface_width);
+  constexpr double most = 1e60;  // beyond it powers of the depth are no numbers any more
+  const double depth = cell.depth / cell.grains.diameter;
+  if (!(depth > 1.0 / most && depth < most))
+    throw std::invalid_argument(
+        fmt::format("depth = {} is {:.3g} d: it must lie between {:g} and {:g} d",
+                    cell.depth,
+                    depth,
+                    1.0 / most,
+                    most));
+}
+
+GrainProperties dimensionless_grains(const SplitBottomCase& cell) {
+  const double d = cell.grains.diameter;
+  const double stress = cell.grains.density * cell.gravity * d;
+  GrainProperties grains;
+  if (cell.grains.stiffness) grains.stiffness = *cell.grains.stiffness / (stress * d);
+  if (cell.grains.adhesion) grains.adhesion = *cell.grains.adhesion / (stress * d * d);
+  return grains;
+}
+
 BandPaths least_torque_paths(double depth_over_split_radius) {
   constexpr double deepest = 1e3;  // the path is a cone there to 1e-6, r = sqrt(2) y
   BandPaths paths;
@@ -230,7 +228,8 @@ double inner_width(double height_over_depth, double surface_width) {
 
 SplitBottom split_bottom(const RheologyTable& table, const SplitBottomCase& cell, int rows) {
   validate(table);
-  check(cell, rows);
+  check(cell);
+  if (rows < 2) throw std::invalid_argument("at least 2 rows are needed");
   const auto* law = std::get_if<MuPhi>(&table.law);
   if (law == nullptr)
     throw TableError(
@@ -250,7 +249,7 @@ SplitBottom split_bottom(const RheologyTable& table, const SplitBottomCase& cell
   }
   result.path_radius = cell.split_radius * paths.surface_radius.front();
   result.rows.resize(static_cast<std::size_t>(rows));
-  const GrainProperties grains = dimensionless(cell);
+  const GrainProperties grains = dimensionless_grains(cell);
   result.torque = fill_rows(*law, grains, complete, result.path_radius / d, result.rows);
   if (no_friction_left(*law, grains, result.rows.front())) {
     result.rows.clear();

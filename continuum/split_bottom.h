@@ -9,8 +9,7 @@
 namespace grainlaw::continuum {
 
 /// Ring cell whose bottom is split at R_s: the part outside turns with the outer wall. All of this
-/// is geometry of a given shape of band, not a solution of the flow: where the band lies and how
-/// wide it is does not follow from mu(I), nor from a nonlocal law radius by radius.
+/// is geometry of a given shape of band, not a solution of the flow, for which see ring_flow.h.
 struct SplitBottomCase {
   double split_radius = 0.0;   ///< R_s [length]
   double depth = 0.0;          ///< H of the filling [length]
@@ -21,6 +20,12 @@ struct SplitBottomCase {
   std::optional<double> surface_width{};
   GrainProperties grains{};
 };
+
+/// Throws std::invalid_argument for a cell without meaning.
+void check(const SplitBottomCase& cell);
+
+/// Grains in units d = rho_p = g = 1.
+GrainProperties dimensionless_grains(const SplitBottomCase& cell);
 
 /// Paths r(z) of least torque int r^2 p sqrt(1 + r'^2) dz from the split to the free surface, with
 /// p of the weight (Unger, Toeroek, Kertesz & Wolf 2004). In units of R_s.
