@@ -108,9 +108,10 @@ std::optional<report::NonlocalAmplitude> amplitude(const Arguments& arguments, c
   if (arguments.nonlocal) return report::NonlocalAmplitude{.value = *arguments.nonlocal, .run = {}};
   if (!arguments.fit_nonlocal) return std::nullopt;
   for (const io::RunRecord& run : input.runs) {
-    if (is_band(run.data)) return fit_nonlocal(run, input.tables.front().table);
+    if (has_nonlocal_flow(run.data)) return fit_nonlocal(run, input.tables.front().table);
   }
-  throw io::InputError("--fit-nonlocal needs a run of plane shear or of a body-force box");
+  throw io::InputError(
+      "--fit-nonlocal needs a run of plane shear, of a body-force box or of a ring cell");
 }
 
 void take_notes(report::Report& report, const std::vector<std::string>& notes) {
@@ -289,7 +290,8 @@ int main(int argc, char** argv) {
   line.option(
       "-o,--output", arguments.output, "folder for the report (default: comparison-report)");
   line.number("--nonlocal", arguments.nonlocal, "predict bands with this amplitude A too");
-  line.flag("--fit-nonlocal", arguments.fit_nonlocal, "fit A to the first band among the runs");
+  line.flag(
+      "--fit-nonlocal", arguments.fit_nonlocal, "fit A to the first band or ring cell among them");
   return line.run(
       argc, argv, [&](const CommonOptions& options) { return compare(arguments, options); });
 }

@@ -82,17 +82,19 @@ calibration::RingCell ring_cell(const dem::Scene& scene) {
           .rotation_rate = cell.rotation_rate};
 }
 
-continuum::SplitBottomCase split_bottom_case(const dem::Scene& scene,
-                                             const dem::LocalData& data,
-                                             double depth) {
+continuum::RingFlowCase ring_flow_case(const dem::Scene& scene,
+                                       const dem::LocalData& data,
+                                       const calibration::RingBand& measured) {
   const auto& cell = std::get<dem::SplitBottom>(scene.geometry);
-  continuum::SplitBottomCase split;
-  split.split_radius = cell.split_radius;
-  split.depth = depth;
-  split.rotation_rate = cell.rotation_rate;
-  split.gravity = cell.gravity;
-  split.grains = grains_of(data.conditions);
-  return split;
+  continuum::RingFlowCase ring;
+  ring.cell.split_radius = cell.split_radius;
+  ring.cell.depth = measured.height;
+  ring.cell.rotation_rate = cell.rotation_rate;
+  ring.cell.gravity = cell.gravity;
+  ring.cell.grains = grains_of(data.conditions);
+  ring.inner_radius = cell.inner_radius;
+  ring.outer_radius = cell.outer_radius;
+  return ring;
 }
 
 }  // namespace grainlaw

@@ -2,8 +2,8 @@
 
 #include "apps/io/local_data_hdf5.h"
 #include "calibration/ring_band.h"
+#include "continuum/ring_flow.h"
 #include "continuum/shear_band.h"
-#include "continuum/split_bottom.h"
 
 namespace grainlaw {
 
@@ -19,10 +19,10 @@ continuum::GrainProperties grains_of(const dem::ChuteConditions& conditions);
 /// place. Throws io::InputError for another geometry.
 continuum::ShearBandCase band_case(const dem::Scene& scene, const dem::LocalData& data);
 
-/// Split-bottom cell of a run, filled up to a depth.
+/// Split-bottom cell of a run; the continuum solvers see it filled up to the measured surface.
 calibration::RingCell ring_cell(const dem::Scene& scene);
-continuum::SplitBottomCase split_bottom_case(const dem::Scene& scene,
-                                             const dem::LocalData& data,
-                                             double depth);
+continuum::RingFlowCase ring_flow_case(const dem::Scene& scene,
+                                       const dem::LocalData& data,
+                                       const calibration::RingBand& measured);
 
 }  // namespace grainlaw

@@ -85,12 +85,19 @@ report::BandPrediction predict_band(const dem::LocalData& data,
   return result;
 }
 
-/// The measured W at the surface takes the place of the trend of experiments.
-continuum::SplitBottom predict_ring(const dem::Scene& scene,
-                                    const dem::LocalData& data,
-                                    const calibration::RingBand& ring,
-                                    const RheologyTable& table) {
-  return continuum::split_bottom(table, split_bottom_case(scene, data, ring.height));
+report::RingPrediction predict_ring(const dem::LocalData& data,
+                                    const continuum::RingFlowCase& ring,
+                                    const calibration::RingBand& measured,
+                                    const RheologyTable& table,
+                                    std::vector<std::string>& notes) {
+  report::RingPrediction result{.flow = continuum::ring_flow(table, ring), .comparison = {}};
+  if (!data.window.steady) return result;
+  try {
+    result.comparison = calibration::compare_ring(measured, result.flow, table, ring);
+  } catch (const calibration::FitError& error) {
+    note(notes, data.name + ": " + error.what());
+  }
+  return result;
 }
 
 void note_grains(report::FlowComparison& flow, const ComparedTable& compared) {
@@ -137,8 +144,42 @@ report::FlowPrediction predict(const io::RunRecord& record,
       result.nonlocal = predict_band(record.data, band, table, flow.notes);
     }
   }
-  if (flow.ring) result.split_bottom = predict_ring(scene, record.data, *flow.ring, table);
+  if (flow.ring) {
+    continuum::RingFlowCase ring = ring_flow_case(scene, record.data, *flow.ring);
+    result.split_bottom = continuum::split_bottom(table, ring.cell);
+    result.ring_local = predict_ring(record.data, ring, *flow.ring, table, flow.notes);
+    if (nonlocal) {
+      ring.nonlocal_amplitude = nonlocal->value;
+      result.ring_nonlocal = predict_ring(record.data, ring, *flow.ring, table, flow.notes);
+    }
+  }
   return result;
+}
+
+calibration::NonlocalFit fit_to_band(const io::RunRecord& record, const RheologyTable& table) {
+  continuum::ShearBandCase band = band_case(scene_of(record), record.data);
+  band.nonlocal_amplitude = 0.5;  // where the fit starts too: for the height of the layer alone
+  const continuum::ShearBand first = continuum::shear_band(table, band);
+  if (first.profile.rows.empty())
+    throw calibration::FitError(record.data.name + ": no amplitude can be fitted, " +
+                                first.answer.text);
+  const auto points = calibration::band_points(record.data, band, first.profile.height);
+  if (points.size() < 4)
+    throw calibration::FitError(
+        fmt::format("--fit-nonlocal: {} has {} rows off the walls and twice the kernel apart, 4 "
+                    "are needed: name "
+                    "a thicker layer first",
+                    record.data.name,
+                    points.size()));
+  return calibration::fit_nonlocal_amplitude(table, band, points);
+}
+
+calibration::NonlocalFit fit_to_ring(const io::RunRecord& record, const RheologyTable& table) {
+  const dem::Scene scene = scene_of(record);
+  const calibration::RingBand measured =
+      calibration::ring_band(*record.data.ring, ring_cell(scene), record.data.conditions);
+  return calibration::fit_nonlocal_amplitude(
+      table, ring_flow_case(scene, record.data, measured), measured);
 }
 
 }  // namespace
@@ -155,6 +196,10 @@ bool is_band(const dem::LocalData& data) {
   return geometry == "plane_shear" || geometry == "body_force_box";
 }
 
+bool has_nonlocal_flow(const dem::LocalData& data) {
+  return is_band(data) || data.ring;
+}
+
 report::NonlocalAmplitude fit_nonlocal(const io::RunRecord& record, const RheologyTable& table) {
   if (!record.data.window.steady)
     throw calibration::FitError(
@@ -162,27 +207,14 @@ report::NonlocalAmplitude fit_nonlocal(const io::RunRecord& record, const Rheolo
                     "first",
                     record.data.name,
                     record.data.window.reason));
-  continuum::ShearBandCase band = band_case(scene_of(record), record.data);
-  band.nonlocal_amplitude = 0.5;  // where the fit starts too: for the height of the layer alone
-  const continuum::ShearBand first = continuum::shear_band(table, band);
-  if (first.profile.rows.empty())
-    throw calibration::FitError(record.data.name + ": no amplitude can be fitted, " +
-                                first.answer.text);
-  const auto points = calibration::band_points(record.data, band, first.profile.height);
-  if (points.size() < 4)
-    throw calibration::FitError(
-        fmt::format("--fit-nonlocal: {} has {} rows off the walls and twice the kernel apart, 4 "
-                    "are needed: name "
-                    "a thicker layer first",
-                    record.data.name,
-                    points.size()));
-  const calibration::NonlocalFit fit = calibration::fit_nonlocal_amplitude(table, band, points);
+  const calibration::NonlocalFit fit =
+      record.data.ring ? fit_to_ring(record, table) : fit_to_band(record, table);
   return {.value = fit.amplitude,
           .error = fit.error,
           .run = record.data.name,
           .local_chi_squared = fit.local_chi_squared,
           .chi_squared = fit.summary.chi_squared,
-          .points = static_cast<int>(points.size())};
+          .points = fit.points};
 }
 
 report::FlowComparison compare_flow(const io::RunRecord& record,

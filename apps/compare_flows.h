@@ -17,10 +17,14 @@ struct ComparedTable {
 /// else same name.
 bool was_fitted(const continuum::RheologyTable& table, const io::RunRecord& record);
 
-/// Runs of plane shear and body-force box can be predicted with nonlocal fluidity.
+/// Runs of plane shear and body-force box.
 bool is_band(const dem::LocalData& data);
 
-/// A of the nonlocal fluidity from the velocities of one band. Throws calibration::FitError.
+/// Those and ring cells can be predicted with nonlocal fluidity.
+bool has_nonlocal_flow(const dem::LocalData& data);
+
+/// A of the nonlocal fluidity from the velocities of one band or ring cell. Throws
+/// calibration::FitError.
 report::NonlocalAmplitude fit_nonlocal(const io::RunRecord& record,
                                        const continuum::RheologyTable& table);
 

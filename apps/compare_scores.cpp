@@ -153,25 +153,48 @@ Score state_score(const report::FlowComparison& flow,
   return score;
 }
 
+/// Answer, norm of the velocity and its parts; of a band or of a ring cell.
+template <class Flow, class Norm>
+Score velocity_score(const report::FlowComparison& flow,
+                     const report::FlowPrediction& prediction,
+                     const Flow& predicted,
+                     const Norm* norm,
+                     const char* name) {
+  Score score = start(flow, prediction);
+  score.quantity = name;
+  score.condition_number = predicted.answer.condition_number;
+  if (score.condition_number == 0.0 && !prediction.states.empty())
+    score.condition_number = median_condition(judged(prediction.states));
+  score.remark = std::string(continuum::name(predicted.answer.outcome));
+  if (predicted.local_band_collapse) score.remark += ", LOCAL_BAND_COLLAPSE";
+  const std::string flags = flags_text(predicted.answer.out_of_domain);
+  if (!flags.empty()) score.remark += "; " + flags;
+  score.in_standard_errors = nan;
+  if (!flow.data.window.steady) score.remark += "; DEM not steady";
+  if (norm == nullptr) return score;
+  score.difference = norm->velocity;
+  score.in_standard_errors = norm->in_standard_errors;
+  return score;
+}
+
 Score band_score(const report::FlowComparison& flow,
                  const report::FlowPrediction& prediction,
                  const report::BandPrediction& band,
                  const char* name) {
-  Score score = start(flow, prediction);
-  score.quantity = name;
-  score.condition_number = band.band.answer.condition_number;
-  if (score.condition_number == 0.0 && !prediction.states.empty())
-    score.condition_number = median_condition(judged(prediction.states));
-  score.remark = std::string(continuum::name(band.band.answer.outcome));
-  if (band.band.local_band_collapse) score.remark += ", LOCAL_BAND_COLLAPSE";
-  const std::string flags = flags_text(band.band.answer.out_of_domain);
-  if (!flags.empty()) score.remark += "; " + flags;
-  score.in_standard_errors = nan;
-  if (!flow.data.window.steady) score.remark += "; DEM not steady";
-  if (!band.comparison) return score;
-  score.difference = band.comparison->profile.velocity;
-  score.in_standard_errors = band.comparison->profile.in_standard_errors;
-  score.budget = band.comparison->budget;
+  const auto* found = band.comparison ? &*band.comparison : nullptr;
+  Score score =
+      velocity_score(flow, prediction, band.band, found ? &found->profile : nullptr, name);
+  if (found) score.budget = found->budget;
+  return score;
+}
+
+Score ring_score(const report::FlowComparison& flow,
+                 const report::FlowPrediction& prediction,
+                 const report::RingPrediction& ring,
+                 const char* name) {
+  const auto* found = ring.comparison ? &*ring.comparison : nullptr;
+  Score score = velocity_score(flow, prediction, ring.flow, found, name);
+  if (found) score.budget = found->budget;
   return score;
 }
 
@@ -220,6 +243,10 @@ std::vector<Score> scores_of(const report::FlowComparison& flow, std::size_t tab
   if (prediction.local) scores.push_back(band_score(flow, prediction, *prediction.local, "u"));
   if (prediction.nonlocal)
     scores.push_back(band_score(flow, prediction, *prediction.nonlocal, "u, nonlocal"));
+  if (prediction.ring_local)
+    scores.push_back(ring_score(flow, prediction, *prediction.ring_local, "u"));
+  if (prediction.ring_nonlocal)
+    scores.push_back(ring_score(flow, prediction, *prediction.ring_nonlocal, "u, nonlocal"));
   return scores;
 }
 

@@ -25,41 +25,31 @@ double interpolated(const std::vector<ProfileRow>& rows, double position) {
   return below.velocity + share * (above->velocity - below.velocity);
 }
 
-/// Velocities at the points for an amplitude; not a number where nothing flows.
-class Model {
+/// Residuals at the points; not a number where nothing flows.
+class Misfit {
  public:
-  Model(const continuum::RheologyTable& table,
-        const continuum::ShearBandCase& band,
-        const std::vector<BandPoint>& points)
-      : table_(table), band_(band), points_(points) {}
+  Misfit(const std::vector<BandPoint>& points, const VelocityModel& model, double step)
+      : points_(points), model_(model), step_(step) {}
 
-  void residuals(double amplitude, std::span<double> r) const {
-    continuum::ShearBandCase at = band_;
-    at.nonlocal_amplitude = std::abs(amplitude);  // only A^2 enters
-    const auto found =
-        continuum::shear_band(table_, at, {.cells = 800, .most_cells = 800, .rows = model_rows});
-    for (std::size_t i = 0; i < points_.size(); ++i) {
-      const double velocity = flows(found.answer.outcome)
-                                  ? interpolated(found.profile.rows, points_[i].position)
-                                  : std::numeric_limits<double>::quiet_NaN();
-      r[i] = (velocity - points_[i].velocity) / points_[i].error;
-    }
+  void values(double amplitude, std::span<double> r) const {
+    std::vector<double> velocity = model_(std::abs(amplitude));  // only A^2 enters
+    velocity.resize(points_.size(), std::numeric_limits<double>::quiet_NaN());
+    for (std::size_t i = 0; i < points_.size(); ++i)
+      r[i] = (velocity[i] - points_[i].velocity) / points_[i].error;
   }
 
-  /// Central differences; the model is smooth in A down to rounding of 1e-10.
   void slopes(double amplitude, std::span<double> jacobian) const {
-    constexpr double step = 1e-4;
     std::vector<double> low(jacobian.size());
-    residuals(amplitude + step, jacobian);
-    residuals(amplitude - step, low);
+    values(amplitude + step_, jacobian);
+    values(amplitude - step_, low);
     for (std::size_t i = 0; i < low.size(); ++i)
-      jacobian[i] = (jacobian[i] - low[i]) / (2.0 * step);
+      jacobian[i] = (jacobian[i] - low[i]) / (2.0 * step_);
   }
 
  private:
-  const continuum::RheologyTable& table_;
-  const continuum::ShearBandCase& band_;
   const std::vector<BandPoint>& points_;
+  const VelocityModel& model_;
+  double step_;
 };
 
 void check(const std::vector<BandPoint>& points) {
@@ -71,10 +61,10 @@ void check(const std::vector<BandPoint>& points) {
 
 /// A is 0.4 to 0.9 for grains. A band whose velocities move by less than one standard error in all
 /// between 0 and 1 says nothing of it. (The slope in A would not tell: only A^2 enters.)
-void require_sensitivity(const Model& model, std::size_t points) {
+void require_sensitivity(const Misfit& residuals, std::size_t points) {
   std::vector<double> local(points), nonlocal(points);
-  model.residuals(0.0, local);
-  model.residuals(1.0, nonlocal);
+  residuals.values(0.0, local);
+  residuals.values(1.0, nonlocal);
   double change = 0.0;
   for (std::size_t k = 0; k < points; ++k) change += std::pow(nonlocal[k] - local[k], 2);
   if (change < 1.0) {
@@ -92,19 +82,19 @@ double sum_of_squares(const std::vector<double>& residuals) {
 
 }  // namespace
 
-NonlocalFit fit_nonlocal_amplitude(const continuum::RheologyTable& table,
-                                   const continuum::ShearBandCase& band,
-                                   const std::vector<BandPoint>& points) {
+NonlocalFit fit_nonlocal_amplitude(const std::vector<BandPoint>& points,
+                                   const VelocityModel& model,
+                                   double step) {
   const auto start = std::chrono::steady_clock::now();
   check(points);
-  const Model model(table, band, points);
-  require_sensitivity(model, points.size());
+  const Misfit residuals(points, model, step);
+  require_sensitivity(residuals, points.size());
   const LeastSquaresProblem problem{
       .unknowns = {{"A", start_amplitude, 0.0}},
       .residuals = static_cast<int>(points.size()),
       .evaluate = [&](std::span<const double> x, std::span<double> r, std::span<double> jacobian) {
-        model.residuals(x[0], r);
-        if (!jacobian.empty()) model.slopes(x[0], jacobian);
+        residuals.values(x[0], r);
+        if (!jacobian.empty()) residuals.slopes(x[0], jacobian);
       }};
   const Minimum minimum = minimise(problem);
   require_converged(minimum, "the nonlocal amplitude A");
@@ -112,14 +102,33 @@ NonlocalFit fit_nonlocal_amplitude(const continuum::RheologyTable& table,
   fit.summary = describe({"A"}, minimum, uncertainty(problem, minimum));
   fit.amplitude = std::abs(minimum.values[0]);
   fit.error = fit.summary["A"].error;
+  fit.points = static_cast<int>(points.size());
   std::vector<double> local(points.size());
-  model.residuals(0.0, local);
+  residuals.values(0.0, local);
   fit.local_chi_squared = sum_of_squares(local);
   fit.summary.notes.emplace_back(
       "points taken as independent; errors of mu(I) and phi(I) are not in the error of A");
   fit.summary.wall_seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return fit;
+}
+
+NonlocalFit fit_nonlocal_amplitude(const continuum::RheologyTable& table,
+                                   const continuum::ShearBandCase& band,
+                                   const std::vector<BandPoint>& points) {
+  constexpr double step = 1e-4;  // the model is smooth in A down to rounding of 1e-10
+  const auto velocities = [&](double amplitude) {
+    continuum::ShearBandCase at = band;
+    at.nonlocal_amplitude = amplitude;
+    const auto found =
+        continuum::shear_band(table, at, {.cells = 800, .most_cells = 800, .rows = model_rows});
+    std::vector<double> result;
+    if (!flows(found.answer.outcome)) return result;
+    for (const BandPoint& point : points)
+      result.push_back(interpolated(found.profile.rows, point.position));
+    return result;
+  };
+  return fit_nonlocal_amplitude(points, velocities, step);
 }
 
 }  // namespace grainlaw::calibration

@@ -15,13 +15,6 @@ using dem::RingField;
 using dem::RingFields;
 using dem::RingGrid;
 
-/// One cell of a height: the share of the rotation rate at a radius.
-struct Share {
-  double radius = 0.0;
-  double value = 0.0;
-  double error = 0.0;
-};
-
 double sum_of_fractions(const RingFields& fields, std::size_t row, std::size_t& cells) {
   double sum = 0.0;
   cells = 0;
@@ -66,12 +59,12 @@ double surface(const RingGrid& grid, const std::vector<double>& fractions, doubl
   return grid.z_begin;
 }
 
-std::vector<Share> shares_at(const RingFields& fields,
-                             std::size_t row,
-                             const RingCell& cell,
-                             double half_bulk) {
+std::vector<RotationShare> shares_at(const RingFields& fields,
+                                     std::size_t row,
+                                     const RingCell& cell,
+                                     double half_bulk) {
   const double reach = fields.grid.kernel.reach();
-  std::vector<Share> shares;
+  std::vector<RotationShare> shares;
   std::vector<dem::Estimate> values;
   for (std::size_t i = 0; i < fields.grid.columns; ++i) {
     const double r = fields.grid.radius(i);
@@ -89,7 +82,7 @@ std::vector<Share> shares_at(const RingFields& fields,
 }
 
 /// 1/2 + 1/2 erf(x), x = (r - R_c) / W', with its derivatives by R_c and W.
-void error_function(const std::vector<Share>& shares,
+void error_function(const std::vector<RotationShare>& shares,
                     double spread_squared,
                     std::span<const double> x,
                     std::span<double> r,
@@ -115,28 +108,35 @@ double cells_together(const RingGrid& grid) {
   return std::max(1.0, 2.0 * grid.kernel.width / grid.width);
 }
 
-void fit_shares(const std::vector<Share>& shares,
-                const RingGrid& grid,
-                const RingCell& cell,
-                double first_width,
-                RingBandRow& row) {
-  const double spread = spread_squared(grid);
+struct ShapeFit {
+  Minimum minimum;
+  FitSummary summary;
+};
+
+ShapeFit fit_shape(const std::vector<RotationShare>& shares,
+                   double spread,
+                   const BandShape& start) {
   const LeastSquaresProblem problem{
-      .unknowns = {{"R_c", cell.split_radius}, {"W", first_width, 0.0}},
+      .unknowns = {{"R_c", start.centre}, {"W", start.width, 0.0}},
       .residuals = static_cast<int>(shares.size()),
       .evaluate = [&](std::span<const double> x, std::span<double> r, std::span<double> jacobian) {
         error_function(shares, spread, x, r, jacobian);
       }};
-  const Minimum minimum = minimise(problem);
-  require_converged(minimum, "the error function of a ring cell");
-  const FitSummary fit = describe({"R_c", "W"}, minimum, uncertainty(problem, minimum));
+  ShapeFit fit{.minimum = minimise(problem), .summary = {}};
+  require_converged(fit.minimum, "the error function of a ring cell");
+  fit.summary = describe({"R_c", "W"}, fit.minimum, uncertainty(problem, fit.minimum));
+  return fit;
+}
+
+void fit_shares(const RingGrid& grid, const RingCell& cell, double first_width, RingBandRow& row) {
+  const ShapeFit fit =
+      fit_shape(row.shares, spread_squared(grid), {cell.split_radius, first_width});
   const double together = cells_together(grid);
-  const double freedom = static_cast<double>(shares.size()) - 2.0 * together;
-  row.chi_squared = minimum.chi_squared / freedom;
+  const double freedom = static_cast<double>(row.shares.size()) - 2.0 * together;
+  row.chi_squared = fit.minimum.chi_squared / freedom;
   const double factor = std::sqrt(together * std::max(1.0, row.chi_squared));
-  row.centre = {fit["R_c"].value, factor * fit["R_c"].error};
-  row.width = {fit["W"].value, factor * fit["W"].error};
-  row.cells = static_cast<int>(shares.size());
+  row.centre = {fit.summary["R_c"].value, factor * fit.summary["R_c"].error};
+  row.width = {fit.summary["W"].value, factor * fit.summary["W"].error};
   row.fitted_shear_rate =
       row.centre.value * cell.rotation_rate / (row.width.value * std::sqrt(std::numbers::pi));
 }
@@ -205,6 +205,11 @@ void add_state(const RingFields& fields,
 
 }  // namespace
 
+BandShape band_shape(const std::vector<RotationShare>& shares, const BandShape& start) {
+  const ShapeFit fit = fit_shape(shares, 0.0, start);
+  return {fit.summary["R_c"].value, fit.summary["W"].value};
+}
+
 RingBand ring_band(const RingFields& fields,
                    const RingCell& cell,
                    const dem::ChuteConditions& conditions) {
@@ -214,17 +219,18 @@ RingBand ring_band(const RingFields& fields,
   const std::vector<double> fractions = mean_fractions(fields);
   const double half_bulk = half_of_bulk(fractions);
   band.height = surface(grid, fractions, half_bulk);
+  band.cells_together = cells_together(grid);
   const double d = conditions.grain_diameter;
   const double first_width = d * std::cbrt(band.height / d * band.height / d);
   const double reach = grid.kernel.reach();
   for (std::size_t k = 0; k < grid.rows; ++k) {
-    RingBandRow row{.z = grid.height(k), .centre = {}, .width = {}, .state = {}};
+    RingBandRow row{.z = grid.height(k), .centre = {}, .width = {}, .shares = {}, .state = {}};
     if (row.z < reach || row.z > band.height - reach) continue;
-    const std::vector<Share> shares = shares_at(fields, k, cell, half_bulk);
+    row.shares = shares_at(fields, k, cell, half_bulk);
     try {
-      if (static_cast<double>(shares.size()) <= 2.0 * cells_together(grid))
+      if (static_cast<double>(row.shares.size()) <= 2.0 * band.cells_together)
         throw FitError("too few cells with grains");
-      fit_shares(shares, grid, cell, first_width, row);
+      fit_shares(grid, cell, first_width, row);
     } catch (const FitError& error) {
       band.notes.push_back("z = " + std::to_string(row.z / d) + " d: " + error.what());
       continue;

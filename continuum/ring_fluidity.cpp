@@ -16,33 +16,27 @@ RingFluidity::RingFluidity(const RingMesh& mesh,
       law_(law),
       grains_(grains),
       pressures_(std::move(pressures)),
-      amplitude_(amplitude) {
+      amplitude_(amplitude),
+      matrix_(amplitude > 0.0 ? mesh.cells() : 0, mesh.rows()) {
   for (const double p : pressures_) curves_.push_back(flow_curve(law, grains, p));
-  if (amplitude == 0.0) return;
-  std::vector<Eigen::Triplet<double>> triplets;
-  const auto couple = [&](std::size_t one, std::size_t other, double strength) {
-    const auto a = static_cast<int>(one), b = static_cast<int>(other);
-    triplets.emplace_back(a, a, strength);
-    triplets.emplace_back(b, b, strength);
-    triplets.emplace_back(std::max(a, b), std::min(a, b), -strength);
-  };
-  const double h = mesh.thickness();
-  const double square = amplitude * amplitude;
-  for (std::size_t k = 0; k < mesh.rows(); ++k) {
-    for (std::size_t i = 0; i < mesh.columns(); ++i) {
-      const std::size_t here = mesh.cell(i, k);
-      if (i + 1 < mesh.columns())
-        couple(here,
-               mesh.cell(i + 1, k),
-               square * mesh.r()[i + 1] * h / (mesh.radius(i + 1) - mesh.radius(i)));
-      if (k + 1 < mesh.rows())
-        couple(here, mesh.cell(i, k + 1), square * mesh.radius(i) * mesh.width(i) / h);
+}
+
+/// visit(cell, other, coupling) for every face between two cells, A^2 area / distance.
+template <class Visit>
+void RingFluidity::visit_faces(Visit visit) const {
+  const double h = mesh_.thickness();
+  const double square = amplitude_ * amplitude_;
+  for (std::size_t k = 0; k < mesh_.rows(); ++k) {
+    for (std::size_t i = 0; i < mesh_.columns(); ++i) {
+      const std::size_t here = mesh_.cell(i, k);
+      if (i + 1 < mesh_.columns())
+        visit(here,
+              mesh_.cell(i + 1, k),
+              square * mesh_.r()[i + 1] * h / (mesh_.radius(i + 1) - mesh_.radius(i)));
+      if (k + 1 < mesh_.rows())
+        visit(here, mesh_.cell(i, k + 1), square * mesh_.radius(i) * mesh_.width(i) / h);
     }
   }
-  const auto size = static_cast<long>(mesh.cells());
-  diffusion_.resize(size, size);
-  diffusion_.setFromTriplets(triplets.begin(), triplets.end());
-  factors_.analyzePattern(diffusion_);
 }
 
 RingFluidity::Reaction RingFluidity::reaction(std::size_t row, double shear_rate, double g) const {
@@ -72,28 +66,33 @@ double RingFluidity::least(std::size_t row, double shear_rate) const {
 
 bool RingFluidity::newton_step(std::span<const double> shear_rates, std::vector<double>& g) {
   constexpr double accuracy = 1e-9;
-  const auto size = static_cast<long>(g.size());
-  Eigen::Map<Eigen::VectorXd> value(g.data(), size);
-  Matrix matrix = diffusion_;
-  Eigen::VectorXd residual = -(diffusion_.selfadjointView<Eigen::Lower>() * value);
-  for (std::size_t k = 0; k < mesh_.rows(); ++k) {
-    for (std::size_t i = 0; i < mesh_.columns(); ++i) {
-      const std::size_t cell = mesh_.cell(i, k);
-      const auto at = static_cast<long>(cell);
-      const Reaction R = reaction(k, shear_rates[cell], g[cell]);
-      residual[at] += mesh_.volume(i) * R.value;
-      matrix.coeffRef(at, at) -= mesh_.volume(i) * R.slope;
-    }
+  const auto place = [&](std::size_t cell) {
+    return cell % mesh_.columns() * mesh_.rows() + cell / mesh_.columns();
+  };
+  matrix_.clear();
+  std::vector<double> step(g.size(), 0.0);  // the residual first
+  for (std::size_t cell = 0; cell < g.size(); ++cell) {
+    const Reaction R = reaction(cell / mesh_.columns(), shear_rates[cell], g[cell]);
+    const double volume = mesh_.volume(cell % mesh_.columns());
+    matrix_(place(cell), place(cell)) = -volume * R.slope;
+    step[place(cell)] = volume * R.value;
   }
-  factors_.factorize(matrix);
-  if (factors_.info() != Eigen::Success)
+  visit_faces([&](std::size_t cell, std::size_t other, double coupling) {
+    const std::size_t a = place(cell), b = place(other);
+    matrix_(a, a) += coupling;
+    matrix_(b, b) += coupling;
+    matrix_(std::max(a, b), std::min(a, b)) -= coupling;
+    step[a] += coupling * (g[other] - g[cell]);
+    step[b] += coupling * (g[cell] - g[other]);
+  });
+  if (!matrix_.factorise())
     throw SolverError("the fluidity of the ring cell has no solution: its matrix is singular");
-  const Eigen::VectorXd step = factors_.solve(residual);
+  matrix_.solve(step);
   double change = 0.0;
   for (std::size_t cell = 0; cell < g.size(); ++cell) {
     const double bound = least(cell / mesh_.columns(), shear_rates[cell]);
     const double before = g[cell];
-    g[cell] += step[static_cast<long>(cell)];
+    g[cell] += step[place(cell)];
     if (!(g[cell] > bound)) g[cell] = 0.5 * (before + bound);
     change = std::max(change, std::abs(g[cell] - before) / before);
   }

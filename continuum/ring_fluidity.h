@@ -1,9 +1,9 @@
 #pragma once
 
-#include <Eigen/SparseCholesky>
 #include <span>
 #include <vector>
 
+#include "continuum/band_cholesky.h"
 #include "continuum/flow_curve.h"
 #include "continuum/ring_mesh.h"
 
@@ -29,7 +29,6 @@ class RingFluidity {
   void solve(std::span<const double> shear_rates, std::vector<double>& g);
 
  private:
-  using Matrix = Eigen::SparseMatrix<double>;
   struct Reaction {
     double value = 0.0;
     double slope = 0.0;  ///< dR/dg, negative
@@ -37,6 +36,8 @@ class RingFluidity {
   Reaction reaction(std::size_t row, double shear_rate, double g) const;
   double local(std::size_t row, double shear_rate) const;
   double least(std::size_t row, double shear_rate) const;
+  template <class Visit>
+  void visit_faces(Visit visit) const;
   bool newton_step(std::span<const double> shear_rates, std::vector<double>& g);
 
   const RingMesh& mesh_;
@@ -45,8 +46,7 @@ class RingFluidity {
   std::vector<double> pressures_;
   std::vector<FlowCurve> curves_;  ///< of every row
   double amplitude_;
-  Matrix diffusion_;  ///< -A^2 lap, integrated over the cells; lower half and diagonal
-  Eigen::SimplicialLDLT<Matrix> factors_;
+  BandCholesky matrix_;  ///< of Newton, cells up every column
 };
 
 }  // namespace grainlaw::continuum

@@ -1,5 +1,6 @@
 #include "continuum/torque_balance.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "continuum/answer.h"
@@ -13,7 +14,10 @@ const double gauss[] = {0.5 - 0.5 / std::sqrt(3.0), 0.5 + 0.5 / std::sqrt(3.0)};
 }  // namespace
 
 TorqueBalance::TorqueBalance(const RingMesh& mesh, double split)
-    : mesh_(mesh), unknown_of_(mesh.nodes(), -1), given_(mesh.nodes(), 0.0) {
+    : mesh_(mesh),
+      unknown_of_(mesh.nodes(), -1),
+      given_(mesh.nodes(), 0.0),
+      matrix_((mesh.columns() - 1) * mesh.rows(), mesh.rows() + 1) {
   const double h = mesh.thickness();
   for (std::size_t i = 0; i < mesh.columns(); ++i) {
     Stiffness K{};
@@ -32,8 +36,8 @@ TorqueBalance::TorqueBalance(const RingMesh& mesh, double split)
     stiffness_.push_back(K);
   }
   const std::size_t last = mesh.r().size() - 1;
-  for (std::size_t k = 0; k < mesh.z().size(); ++k) {
-    for (std::size_t i = 0; i <= last; ++i) {
+  for (std::size_t i = 0; i <= last; ++i) {
+    for (std::size_t k = 0; k < mesh.z().size(); ++k) {
       const std::size_t node = mesh.node(i, k);
       if (k > 0 && i > 0 && i < last) {
         unknown_of_[node] = static_cast<long>(free_nodes_.size());
@@ -45,34 +49,6 @@ TorqueBalance::TorqueBalance(const RingMesh& mesh, double split)
       }
     }
   }
-  prepare_pattern();
-}
-
-void TorqueBalance::prepare_pattern() {
-  const auto size = static_cast<long>(free_nodes_.size());
-  std::vector<Eigen::Triplet<double>> triplets;
-  const auto lower_pairs = [&](std::size_t i, std::size_t k, auto&& pair) {
-    const auto corner = mesh_.corners(i, k);
-    for (std::size_t a = 0; a < 4; ++a)
-      for (std::size_t b = 0; b < 4; ++b) {
-        const long row = unknown_of_[corner[a]], column = unknown_of_[corner[b]];
-        if (column >= 0 && row >= column) pair(4 * a + b, row, column);
-      }
-  };
-  for (std::size_t k = 0; k < mesh_.rows(); ++k)
-    for (std::size_t i = 0; i < mesh_.columns(); ++i)
-      lower_pairs(i, k, [&](std::size_t, long row, long column) {
-        triplets.emplace_back(static_cast<int>(row), static_cast<int>(column), 1.0);
-      });
-  matrix_.resize(size, size);
-  matrix_.setFromTriplets(triplets.begin(), triplets.end());
-  entries_.assign(mesh_.cells(), {});
-  for (std::size_t k = 0; k < mesh_.rows(); ++k)
-    for (std::size_t i = 0; i < mesh_.columns(); ++i)
-      lower_pairs(i, k, [&](std::size_t entry, long row, long column) {
-        entries_[mesh_.cell(i, k)][entry] = &matrix_.coeffRef(row, column);
-      });
-  factors_.analyzePattern(matrix_);
 }
 
 std::vector<double> TorqueBalance::gather(std::span<const double> rotation) const {
@@ -88,27 +64,29 @@ std::vector<double> TorqueBalance::scatter(std::span<const double> unknowns) con
 }
 
 void TorqueBalance::solve(std::span<const double> viscosity, std::span<double> unknowns) {
-  std::fill_n(matrix_.valuePtr(), matrix_.nonZeros(), 0.0);
-  Eigen::VectorXd right = Eigen::VectorXd::Zero(matrix_.rows());
+  matrix_.clear();
+  std::ranges::fill(unknowns, 0.0);  // the right side first, the solution in the end
   for (std::size_t k = 0; k < mesh_.rows(); ++k) {
     for (std::size_t i = 0; i < mesh_.columns(); ++i) {
-      const std::size_t cell = mesh_.cell(i, k);
+      const double eta = viscosity[mesh_.cell(i, k)];
       const auto corner = mesh_.corners(i, k);
       for (std::size_t a = 0; a < 4; ++a) {
         const long row = unknown_of_[corner[a]];
+        if (row < 0) continue;
+        const auto at = static_cast<std::size_t>(row);
         for (std::size_t b = 0; b < 4; ++b) {
-          const double value = viscosity[cell] * stiffness_[i][a][b];
-          if (double* entry = entries_[cell][4 * a + b]) *entry += value;
-          if (row >= 0 && unknown_of_[corner[b]] < 0) right[row] -= value * given_[corner[b]];
+          const long column = unknown_of_[corner[b]];
+          const double value = eta * stiffness_[i][a][b];
+          if (column < 0) unknowns[at] -= value * given_[corner[b]];
+          if (column >= 0 && column <= row) matrix_(at, static_cast<std::size_t>(column)) += value;
         }
       }
     }
   }
-  factors_.factorize(matrix_);
-  if (factors_.info() != Eigen::Success)
+  if (!matrix_.factorise())
     throw SolverError(
         "the torque balance of the ring cell has no solution: its matrix is singular");
-  Eigen::Map<Eigen::VectorXd>(unknowns.data(), matrix_.rows()) = factors_.solve(right);
+  matrix_.solve(unknowns);
 }
 
 std::vector<double> TorqueBalance::shear_rates(std::span<const double> rotation) const {

@@ -1,10 +1,10 @@
 #pragma once
 
-#include <Eigen/SparseCholesky>
 #include <array>
 #include <span>
 #include <vector>
 
+#include "continuum/band_cholesky.h"
 #include "continuum/ring_mesh.h"
 
 namespace grainlaw::continuum {
@@ -30,19 +30,15 @@ class TorqueBalance {
   std::vector<double> shear_rates(std::span<const double> rotation) const;
 
  private:
-  using Matrix = Eigen::SparseMatrix<double>;
   /// int r^3 grad N_a grad N_b of the cells of a column.
   using Stiffness = std::array<std::array<double, 4>, 4>;
-  void prepare_pattern();
 
   const RingMesh& mesh_;
   std::vector<Stiffness> stiffness_;
-  std::vector<std::size_t> free_nodes_;
-  std::vector<long> unknown_of_;  ///< of a node; -1: given
-  std::vector<double> given_;     ///< of a node
-  Matrix matrix_;
-  std::vector<std::array<double*, 16>> entries_;  ///< of a cell, in the lower half of the matrix
-  Eigen::SimplicialLDLT<Matrix> factors_;
+  std::vector<std::size_t> free_nodes_;  ///< up every column, for a narrow band
+  std::vector<long> unknown_of_;         ///< of a node; -1: given
+  std::vector<double> given_;            ///< of a node
+  BandCholesky matrix_;
 };
 
 }  // namespace grainlaw::continuum

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "apps/report/figure.h"
+#include "apps/report/ring_section.h"
 
 namespace grainlaw::report {
 namespace {
@@ -21,11 +22,6 @@ std::string stem(const std::string& name, std::size_t number) {
   return "flow_" + file_stem(named, number);
 }
 
-/// Tables by their numbers: names of files do not fit beside a figure.
-std::string titled(const Report& report, std::size_t table, const char* law) {
-  return report.tables.size() > 1 ? fmt::format("{} {}", table + 1, law) : std::string(law);
-}
-
 std::vector<Curve> curves(const Report& report,
                           const FlowComparison& flow,
                           const std::string& base) {
@@ -33,7 +29,7 @@ std::vector<Curve> curves(const Report& report,
   const auto add =
       [&](const std::optional<BandPrediction>& prediction, std::size_t table, const char* law) {
         if (!prediction || prediction->band.profile.rows.empty()) return;
-        result.push_back({titled(report, table, law),
+        result.push_back({law_title(report, table, law),
                           fmt::format("{}_law{}.csv", base, result.size() + 1),
                           &prediction->band});
       };
@@ -91,13 +87,6 @@ std::string fraction_range(const dem::LocalData& data) {
   }
   if (!(densest > 0.0)) return {};
   return fmt::format("set xrange [{:.3f}:{:.3f}]\nset xtics 0.1\n", 0.65 * densest, 1.15 * densest);
-}
-
-/// Room above the plot for a key of so many entries, two in a row.
-std::string key_room(std::size_t entries) {
-  const double rows = std::ceil(static_cast<double>(entries) / 2.0);
-  const double room = std::max(46.0, 14.0 + 18.0 * rows);
-  return fmt::format("set tmargin at screen {:.3f}\n", 1.0 - room / PlotSize{}.height);
 }
 
 std::string band_script(const std::string& name,
@@ -273,76 +262,6 @@ void add_states(const Report& report,
   }
 }
 
-Csv ring_csv(const FlowComparison& flow) {
-  const double d = flow.data.conditions.grain_diameter;
-  Csv csv{.columns = {"z [d]", "R_c [d]", "R_c [d] error", "W [d]", "W [d] error"}, .rows = {}};
-  for (const calibration::RingBandRow& row : flow.ring->rows) {
-    csv.rows.push_back({row.z / d,
-                        row.centre.value / d,
-                        row.centre.error / d,
-                        row.width.value / d,
-                        row.width.error / d});
-  }
-  return csv;
-}
-
-Csv path_csv(const FlowComparison& flow, const continuum::SplitBottom& split) {
-  const double d = flow.data.conditions.grain_diameter;
-  Csv csv{.columns = {"z [d]", "R_c [d]", "W [d]"}, .rows = {}};
-  for (const continuum::SplitBottomRow& row : split.rows) {
-    csv.rows.push_back({row.z / d, row.radius / d, row.width / d});
-  }
-  return csv;
-}
-
-std::string ring_script(const std::string& name,
-                        const std::string& base,
-                        const char* column,
-                        const char* axis,
-                        const std::string& further) {
-  return plot_head(name) +
-         fmt::format(
-             "set xlabel '{1}'\nset ylabel '{{/:Italic z}} / {{/:Italic d}}'\n"
-             "set yrange [0:*]\n"
-             "plot '{0}_ring.csv' using \"{2}\":\"z [d]\":\"{2} error\" with xerrorbars {3} "
-             "title 'DEM', \\\n     '{0}_path.csv' using \"{2}\":\"z [d]\" with lines lw "
-             "1.6 lc rgb 'black' title 'geometry'{4}\n",
-             base,
-             axis,
-             column,
-             point_style(0),
-             further);
-}
-
-void add_ring(const FlowComparison& flow, const std::string& base, FigureGroup& group) {
-  if (!flow.ring || flow.tables.empty() || !flow.tables.front().split_bottom) return;
-  const continuum::SplitBottom& split = *flow.tables.front().split_bottom;
-  const double d = flow.data.conditions.grain_diameter;
-  group.data[base + "_ring.csv"] = ring_csv(flow);
-  group.data[base + "_path.csv"] = path_csv(flow, split);
-  const std::string experiments = fmt::format(
-      ", \\\n     '+' using ({:.6g}):({:.6g}) every ::0::0 with points pt 8 ps 1 lc rgb "
-      "'{}' title 'experiments'",
-      split.measured_radius / d,
-      flow.ring->height / d,
-      colour::predicted);
-  const std::string centre = base + "_centre";
-  group.figures.push_back(
-      {.name = centre,
-       .script = ring_script(centre, base, "R_c [d]", "{/:Italic R_c} / {/:Italic d}", experiments),
-       .label = "Centre of the band against height, " + flow.data.name,
-       .caption = "Centre of the band: error functions fitted to the DEM, the path of least "
-                  "torque (Unger et al. 2004), and at the surface the law of experiments "
-                  "(Fenistein et al. 2004)"_html});
-  const std::string width = base + "_width";
-  group.figures.push_back(
-      {.name = width,
-       .script = ring_script(width, base, "W [d]", "{/:Italic W} / {/:Italic d}", ""),
-       .label = "Width of the band against height, " + flow.data.name,
-       .caption = "Width of the band; line: a quarter ellipse of <i>d</i> "
-                  "(<i>H</i>/<i>d</i>)<sup>2/3</sup>"_html});
-}
-
 /// All boxes of simple shear as one flow: they share the figures.
 std::vector<FlowPrediction> box_states(const Report& report) {
   std::vector<FlowPrediction> all(report.tables.size());
@@ -369,7 +288,7 @@ std::vector<FigureGroup> flow_figures(const Report& report) {
     const std::string base = stem(flow.data.name, k + 1);
     FigureGroup group{.title = text(flow.data.name), .data = {}, .figures = {}};
     if (flow.ring) {
-      add_ring(flow, base, group);
+      add_ring_figures(report, flow, base, group);
     } else if (!flow.data.rows.empty()) {
       add_band(report, flow, base, group);
     }

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "apps/report/numbers.h"
+#include "apps/report/ring_section.h"
 #include "apps/report/sections.h"
 #include "apps/report/typeset.h"
 
@@ -185,60 +186,12 @@ Html nonlocal_sentence(const Report& report) {
     return paragraph(text(fmt::format("Nonlocal amplitude A = {:.4g}, as given.", fit.value)));
   return paragraph(text(fmt::format(
       "Nonlocal amplitude A = {}, fitted to the velocities of {} alone ({} points: χ² = {}, with "
-      "the local law {}); the other bands test it.",
+      "the local law {}); the other flows test it.",
       with_error({.value = fit.value, .error = fit.error}),
       fit.run,
       fit.points,
       significant(fit.chi_squared, 3),
       significant(fit.local_chi_squared, 3))));
-}
-
-std::vector<Html> ring_row(const calibration::RingBandRow& row, double d) {
-  return {text(significant(row.z / d, 3)),
-          text(with_error(scaled(row.centre, 1.0 / d))),
-          text(with_error(scaled(row.width, 1.0 / d))),
-          text(significant(row.chi_squared, 2)),
-          text(significant(row.shear_rate / row.fitted_shear_rate, 3)),
-          text(with_error(row.state.inertial_number)),
-          text(with_error(row.state.softness)),
-          text(with_error(row.state.friction))};
-}
-
-Html ring_part(const FlowComparison& flow) {
-  const double d = flow.data.conditions.grain_diameter;
-  Table rows{.caption = text(flow.data.name +
-                             ": error functions fitted at each height. The rate is that measured "
-                             "at the centre over that of the error function."),
-             .head = {"<i>z</i> / <i>d</i>"_html,
-                      "<i>R<sub>c</sub></i> / <i>d</i>"_html,
-                      "<i>W</i> / <i>d</i>"_html,
-                      "χ² / freedom"_html,
-                      "rate"_html,
-                      "<i>I</i>"_html,
-                      "<i>p</i>*"_html,
-                      "<i>μ</i>"_html},
-             .rows = {},
-             .text_columns = 0};
-  for (const calibration::RingBandRow& row : flow.ring->rows) rows.rows.push_back(ring_row(row, d));
-  const auto& top = flow.ring->rows.back();
-  Html words =
-      typeset(fmt::format("Filling {:.3g} d = {:.3g} R_s. Highest fitted row, {:.3g} d: R_c/R_s "
-                          "= {:.4f} ± {:.4f}.",
-                          flow.ring->height / d,
-                          flow.ring->height / flow.split_radius,
-                          top.z / d,
-                          top.centre.value / flow.split_radius,
-                          top.centre.error / flow.split_radius));
-  const auto& split = flow.tables.front().split_bottom;
-  if (split && !split->rows.empty()) {
-    words +=
-        text(fmt::format(" At the surface: {:.4f} by the law of experiments, {:.4f} by the path "
-                         "of least torque. Both are geometry of a band, no prediction of the "
-                         "flow law.",
-                         split->measured_radius / flow.split_radius,
-                         split->path_radius / flow.split_radius));
-  }
-  return paragraph(words) + table(rows);
 }
 
 /// Cells of one score in the table of kinds.
@@ -362,9 +315,10 @@ Html flow_section(const Report& report,
   if (report.flows.empty()) return {};
   Html content = table_numbers(report);
   const Table bands = band_table(report);
-  if (!bands.rows.empty()) content += table(bands) + nonlocal_sentence(report);
+  if (!bands.rows.empty()) content += table(bands);
+  content += nonlocal_sentence(report);
   for (const FlowComparison& flow : report.flows) {
-    if (flow.ring) content += ring_part(flow);
+    if (flow.ring) content += ring_part(report, flow);
   }
   for (const FigureGroup& group : groups) content += show(group, pictures);
   for (std::size_t t = 0; t < report.tables.size(); ++t) {

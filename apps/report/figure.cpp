@@ -81,6 +81,16 @@ set key at screen {3:.3f},0.99 left top Left reverse horizontal samplen 1.6 widt
                      1.0 - 46.0 / size.height);
 }
 
+std::string key_room(std::size_t entries) {
+  const double rows = std::ceil(static_cast<double>(entries) / 2.0);
+  const double room = std::max(46.0, 14.0 + 18.0 * rows);
+  return fmt::format("set tmargin at screen {:.3f}\n", 1.0 - room / PlotSize{}.height);
+}
+
+std::string law_title(const Report& report, std::size_t table, const char* law) {
+  return report.tables.size() > 1 ? fmt::format("{} {}", table + 1, law) : std::string(law);
+}
+
 std::string log_axis(char axis, double lower, double upper) {
   const double span = upper / lower;
   const std::vector<double> digits = span < 6.0    ? std::vector{1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0}

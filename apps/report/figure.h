@@ -57,6 +57,12 @@ struct PlotSize {
 /// First lines of every script: terminal, output file, CSV reading and the common look.
 std::string plot_head(const std::string& name, PlotSize size = {});
 
+/// Room above the plot for a key of so many entries, two in a row.
+std::string key_room(std::size_t entries);
+
+/// A law in a key: tables by their numbers, as names of files do not fit beside a figure.
+std::string law_title(const Report& report, std::size_t table, const char* law);
+
 /// Colours with a contrast of at least 3:1 on a white and on a nearly black page. Lines of the law
 /// are black in the files, which becomes the colour of the text in the page.
 namespace colour {

@@ -112,11 +112,35 @@ json ring(const std::optional<calibration::RingBand>& found) {
                     {"centre", estimate_json(row.centre)},
                     {"width", estimate_json(row.width)},
                     {"chi_squared", row.chi_squared},
-                    {"cells", row.cells},
+                    {"cells", row.shares.size()},
                     {"shear_rate", row.shear_rate},
                     {"fitted_shear_rate", row.fitted_shear_rate}});
   }
   return {{"height", found->height}, {"rows", rows}};
+}
+
+json ring_prediction(const std::optional<RingPrediction>& prediction) {
+  if (!prediction) return nullptr;
+  const continuum::RingFlow& flow = prediction->flow;
+  json result = {{"outcome", continuum::name(flow.answer.outcome)},
+                 {"text", flow.answer.text},
+                 {"out_of_domain", flags(flow.answer.out_of_domain)},
+                 {"torque", flow.torque},
+                 {"local_band_collapse", flow.local_band_collapse},
+                 {"discretisation_error", flow.discretisation_error},
+                 {"wall_seconds", flow.wall_seconds},
+                 {"comparison", nullptr}};
+  if (!prediction->comparison) return result;
+  const calibration::RingComparison& c = *prediction->comparison;
+  json rows = json::array();
+  for (const calibration::BandShape& row : c.rows)
+    rows.push_back({{"centre", row.centre}, {"width", row.width}});
+  result["comparison"] = {{"velocity", estimate_json(c.velocity)},
+                          {"velocity_maximum", estimate_json(c.velocity_maximum)},
+                          {"in_standard_errors", c.in_standard_errors},
+                          {"budget", budget(c.budget)},
+                          {"rows", rows}};
+  return result;
 }
 
 json measured_rows(const dem::LocalData& data) {
@@ -157,7 +181,9 @@ json flows_json(const Report& report) {
                         {"states", states(prediction.states)},
                         {"local", band(prediction.local)},
                         {"nonlocal", band(prediction.nonlocal)},
-                        {"split_bottom", split(prediction.split_bottom)}});
+                        {"split_bottom", split(prediction.split_bottom)},
+                        {"ring_local", ring_prediction(prediction.ring_local)},
+                        {"ring_nonlocal", ring_prediction(prediction.ring_nonlocal)}});
     }
     result.push_back({{"name", flow.data.name},
                       {"geometry", flow.data.conditions.geometry},

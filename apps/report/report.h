@@ -16,6 +16,7 @@
 #include "calibration/material_band.h"
 #include "calibration/mu_phi_fit.h"
 #include "calibration/ring_band.h"
+#include "calibration/ring_comparison.h"
 #include "calibration/state_comparison.h"
 #include "calibration/transient_comparison.h"
 #include "continuum/chute_1d.h"
@@ -54,6 +55,13 @@ struct BandPrediction {
   std::optional<calibration::BandComparison> comparison;  ///< absent: one side has no profile
 };
 
+/// The rotation of a ring cell as one law predicts it, beside the measured one.
+struct RingPrediction {
+  continuum::RingFlow flow;
+  std::optional<calibration::RingComparison>
+      comparison;  ///< absent: no rotation, or DEM not steady
+};
+
 /// What one table says of a run of another flow than a chute.
 struct FlowPrediction {
   calibration::SampleKind kind = calibration::SampleKind::independent;
@@ -62,6 +70,8 @@ struct FlowPrediction {
   std::optional<BandPrediction> local;                 ///< of plane shear and body-force box
   std::optional<BandPrediction> nonlocal;              ///< with the amplitude of the report
   std::optional<continuum::SplitBottom> split_bottom;  ///< geometry of the band of a ring cell
+  std::optional<RingPrediction> ring_local;            ///< of a ring cell
+  std::optional<RingPrediction> ring_nonlocal;         ///< with the amplitude of the report
 };
 
 /// One run of another flow than a chute beside every table of the report.
