@@ -9,6 +9,7 @@
 #include "apps/grain_scales.h"
 #include "apps/io/homogeneous_csv.h"
 #include "apps/io/profile_csv.h"
+#include "apps/io/ring_flow_csv.h"
 #include "apps/io/safe_write.h"
 #include "apps/io/split_bottom_csv.h"
 #include "apps/summary.h"
@@ -44,13 +45,15 @@ struct Lines {
 
 std::string kind_of(const io::CaseFile& file) {
   if (file.split_bottom) return "split-bottom cell (geometry)";
+  if (file.ring_cell) return "ring cell, over radius and height";
   if (file.simple_shear) return "homogeneous shear (the law itself)";
   constexpr const char* kinds[] = {"plane shear", "body-force box", "annular shear"};
   return kinds[file.band->flow.index()];
 }
 
-bool nonlocal(const ShearBandCase& band) {
-  return band.nonlocal_amplitude.value_or(0.0) > 0.0;
+template <class Case>
+bool nonlocal(const Case& flow) {
+  return flow.nonlocal_amplitude.value_or(0.0) > 0.0;
 }
 
 /// Whether the way from rest is followed in time.
@@ -61,6 +64,7 @@ bool has_start(const io::CaseFile& file) {
 
 const continuum::GrainProperties* grains_of(const io::CaseFile& file) {
   if (file.band) return &file.band->grains;
+  if (file.ring_cell) return &file.ring_cell->cell.grains;
   return file.split_bottom ? &file.split_bottom->grains : nullptr;
 }
 
@@ -78,7 +82,8 @@ Summary check(const io::CaseFile& file, const continuum::RheologyTable& table) {
   }
   leave_out(!table.covariance, "error band: the table states no errors");
   leave_out(!table.has_friction, "friction: the table has phi only");
-  leave_out(file.band && !nonlocal(*file.band), "nonlocal fluidity: no [nonlocal] amplitude");
+  leave_out((file.band && !nonlocal(*file.band)) || (file.ring_cell && !nonlocal(*file.ring_cell)),
+            "nonlocal fluidity: no [nonlocal] amplitude");
   summary.add("case", "case", file.name);
   summary.add("flow", "flow", kind_of(file));
   summary.add("coefficients", "coefficients", continuum::coefficient_names(table));
@@ -93,7 +98,8 @@ void say_answer(Summary& summary, const continuum::Answer& answer) {
 }
 
 /// The local law has no length but the gradient of the stress: its width is no prediction.
-void say_collapse(Summary& summary, const ShearBand& band) {
+template <class Flow>
+void say_collapse(Summary& summary, const Flow& band) {
   summary.add("local_band_collapse", "LOCAL_BAND_COLLAPSE", band.local_band_collapse);
   if (band.local_band_collapse)
     summary.add("collapse_text",
@@ -259,6 +265,39 @@ ExitCode predict_split_bottom(const io::CaseFile& file,
   return ExitCode::answered;
 }
 
+ExitCode predict_ring_cell(const io::CaseFile& file,
+                           const continuum::RheologyTable& table,
+                           const std::string& output,
+                           bool certificate,
+                           const CommonOptions& options) {
+  const continuum::RingFlow flow = continuum::ring_flow(table, *file.ring_cell);
+  Summary summary;
+  if (certificate) say_certificate(summary, table);
+  say_answer(summary, flow.answer);
+  const Lines lines{summary, file.units};
+  if (flows(flow.answer.outcome)) {
+    const auto& top = flow.rows.back();
+    const auto& middle = flow.rows[flow.rows.size() / 2];
+    lines.add("centre", "R_c at the surface", top.centre, is::length);
+    lines.add("width", "W at the surface", top.width, is::length);
+    say_collapse(summary, flow);
+    lines.add("torque", "torque", flow.torque, is::energy);
+    summary.add("inertial_number", "I at half depth", middle.inertial_number);
+    summary.add("friction", "mu at half depth", middle.friction);
+    summary.add("discretisation_error", "relative error", flow.discretisation_error);
+    summary.add("wall_seconds", "wall time", flow.wall_seconds, "s");
+  }
+  summary.add("trust", "trust", trust(flow.answer, table, false));
+  if (!output.empty() && flows(flow.answer.outcome))
+    write(output,
+          as_json(output) ? io::ring_flow_json(flow, file.units)
+                          : io::ring_flow_csv(flow, file.ring_cell->cell.rotation_rate, file.units),
+          summary);
+  print(summary, options);
+  if (!flows(flow.answer.outcome)) no_answer(flow.answer);
+  return ExitCode::answered;
+}
+
 constexpr std::size_t most_states_said = 24;
 
 /// One line per point; a table of many goes to the output.
@@ -340,6 +379,7 @@ ExitCode predict_flow(const io::CaseFile& file,
   }
   if (file.band) return predict_band(file, table, output, certificate, options);
   if (file.split_bottom) return predict_split_bottom(file, table, output, certificate, options);
+  if (file.ring_cell) return predict_ring_cell(file, table, output, certificate, options);
   return predict_simple_shear(file, table, output, certificate, options);
 }
 

@@ -22,7 +22,7 @@ struct RingFlowCase {
 };
 
 struct RingFlowOptions {
-  double cell_width = 0.5;  ///< of the mesh [d]
+  double cell_width = 0.25;  ///< of the mesh [d]
 };
 
 /// The band at one height.

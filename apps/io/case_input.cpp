@@ -244,6 +244,7 @@ void read_other_case(InputFile& in, Section& geometry, CaseFile& file) {
   read_grains(in, file.units, grains);
   if (file.band) file.band->grains = grains;
   if (file.split_bottom) file.split_bottom->grains = grains;
+  if (file.ring_cell) file.ring_cell->cell.grains = grains;
   if (file.question == Question::start)
     in.top().problem("answer", "answer = \"start\" is known for a [chute] only");
   if (file.question == Question::step)

@@ -8,6 +8,7 @@
 
 #include "apps/io/units.h"
 #include "continuum/chute_1d.h"
+#include "continuum/ring_flow.h"
 #include "continuum/shear_band.h"
 #include "continuum/split_bottom.h"
 
@@ -37,7 +38,8 @@ struct SweepAxis {
 struct CaseFile {
   std::string name;
   std::optional<continuum::ShearBandCase> band;            ///< a shear band, no chute
-  std::optional<continuum::SplitBottomCase> split_bottom;  ///< a ring cell, no chute
+  std::optional<continuum::SplitBottomCase> split_bottom;  ///< geometry of the band of a ring cell
+  std::optional<continuum::RingFlowCase> ring_cell;        ///< its rotation
   std::optional<SimpleShearCase> simple_shear;             ///< the law itself, no flow
   continuum::ChuteCase chute;  ///< mass_per_area is 0 where it is not given
   Question question = Question::flow;
@@ -51,7 +53,7 @@ struct CaseFile {
   std::string text;
   std::filesystem::path path;
 
-  bool is_chute() const { return !band && !split_bottom && !simple_shear; }
+  bool is_chute() const { return !band && !split_bottom && !ring_cell && !simple_shear; }
 };
 
 /// Throws InputError.

@@ -74,7 +74,7 @@ AnnularShear read_annular_shear(Section section, const Units& units) {
   return flow;
 }
 
-SplitBottomCase read_split_bottom(Section section, const Units& units) {
+SplitBottomCase read_cell(Section& section, const Units& units) {
   SplitBottomCase cell;
   cell.split_radius = read_length(section, units, "split_radius", "R_s, where the bottom is split");
   cell.depth = read_length(section, units, "depth", "H of the filling");
@@ -83,6 +83,24 @@ SplitBottomCase read_split_bottom(Section section, const Units& units) {
                                              {"rad/time", units.size(dimension::rate)},
                                              positive});
   cell.gravity = 1.0;
+  return cell;
+}
+
+continuum::RingFlowCase read_ring_cell(Section section, const Units& units) {
+  continuum::RingFlowCase ring;
+  ring.inner_radius = read_length(section, units, "inner_radius", "R_i of the cylinder at rest");
+  ring.cell = read_cell(section, units);
+  ring.outer_radius = read_length(section, units, "outer_radius", "R_o of the turning cylinder");
+  const double split = ring.cell.split_radius;
+  if (section.has("inner_radius") && section.has("split_radius") && ring.inner_radius >= split)
+    section.problem("inner_radius", "inner_radius must be below split_radius");
+  if (section.has("outer_radius") && section.has("split_radius") && ring.outer_radius <= split)
+    section.problem("outer_radius", "outer_radius must exceed split_radius");
+  return ring;
+}
+
+SplitBottomCase read_split_bottom(Section section, const Units& units) {
+  SplitBottomCase cell = read_cell(section, units);
   cell.surface_width = section.find<double>({"surface_width",
                                              "W of the error function at the surface",
                                              units[dimension::length],
@@ -105,9 +123,11 @@ SimpleShearCase read_simple_shear(Section section) {
 
 std::optional<double> read_nonlocal(InputFile& in, bool band) {
   Section section = in.optional_section(
-      "nonlocal", "Nonlocal granular fluidity of a band; without it the local law");
+      "nonlocal", "Nonlocal granular fluidity of a band or ring cell; without it the local law");
   if (section.given() && !band)
-    section.problem("", "[nonlocal] belongs to a shear band; leave it out for this kind of flow");
+    section.problem(
+        "",
+        "[nonlocal] belongs to a shear band or a ring cell; leave it out for this kind of flow");
   if (!section.given()) return std::nullopt;
   return section.read<double>(
       {"amplitude", "A of the cooperativity length; 0.48 for glass beads", {}, not_negative});
@@ -121,6 +141,12 @@ void read_others(InputFile& in, Section& geometry, const std::string& kind, Case
     file.units = read_units(in, section);
     file.split_bottom = read_split_bottom(section, file.units);
   }
+  if (geometry.applies(kind == "ring_cell")) {
+    Section section = geometry.when(
+        "kind", "ring_cell", "Ring cell with a split bottom: its rotation over radius and height");
+    file.units = read_units(in, section);
+    file.ring_cell = read_ring_cell(section, file.units);
+  }
   if (geometry.applies(kind == "simple_shear")) {
     Section section = geometry.when(
         "kind", "simple_shear", "Homogeneous shear: the law itself, at every combination");
@@ -132,9 +158,13 @@ void read_others(InputFile& in, Section& geometry, const std::string& kind, Case
 }  // namespace
 
 void read_flow(InputFile& in, Section& geometry, CaseFile& file) {
-  const std::string kind = geometry.choice(
-      {"kind", "of the flow, see below"},
-      {"plane_shear", "body_force_box", "annular_shear", "split_bottom", "simple_shear"});
+  const std::string kind = geometry.choice({"kind", "of the flow, see below"},
+                                           {"plane_shear",
+                                            "body_force_box",
+                                            "annular_shear",
+                                            "split_bottom",
+                                            "ring_cell",
+                                            "simple_shear"});
   ShearBandCase band;
   const auto take = [&](std::string_view word, std::string_view meaning, auto reader) {
     if (!geometry.applies(kind == word)) return;
@@ -146,8 +176,10 @@ void read_flow(InputFile& in, Section& geometry, CaseFile& file) {
   take("body_force_box", "Periodic box driven by a sinusoidal body force", read_body_force_box);
   take("annular_shear", "Between two cylinders, the inner one turning", read_annular_shear);
   read_others(in, geometry, kind, file);
-  const bool is_band = !file.split_bottom && !file.simple_shear;
-  band.nonlocal_amplitude = read_nonlocal(in, is_band);
+  const bool is_band = !file.split_bottom && !file.ring_cell && !file.simple_shear;
+  const std::optional<double> amplitude = read_nonlocal(in, is_band || file.ring_cell);
+  band.nonlocal_amplitude = amplitude;
+  if (file.ring_cell) file.ring_cell->nonlocal_amplitude = amplitude;
   if (is_band) file.band = band;
 }
 
