@@ -63,8 +63,8 @@ Table law_table(const Report& report, const FlowComparison& flow) {
   const double d = flow.data.conditions.grain_diameter;
   Table result{
       .caption = text(flow.data.name) +
-                 typeset(fmt::format(": rotation over radius and height. R_c at {:.3g} d; W there "
-                                     "and at {:.3g} d, of error functions fitted alike.",
+                 typeset(fmt::format(": rotation over radius and height. Centre at {:.3g} d, width "
+                                     "there and at {:.3g} d, of error functions fitted alike.",
                                      flow.ring->rows.back().z / d,
                                      flow.ring->rows.front().z / d)),
       .head = {"Law"_html,
@@ -231,8 +231,8 @@ Html ring_part(const Report& report, const FlowComparison& flow) {
   const double d = flow.data.conditions.grain_diameter;
   const auto& top = flow.ring->rows.back();
   Html words =
-      typeset(fmt::format("Filling {:.3g} d = {:.3g} R_s. Highest fitted row, {:.3g} d: R_c/R_s "
-                          "= {:.4f} ± {:.4f}.",
+      typeset(fmt::format("Filling {:.3g} d = {:.3g} of the split radius. Highest fitted row, "
+                          "{:.3g} d: centre at {:.4f} ± {:.4f} of it.",
                           flow.ring->height / d,
                           flow.ring->height / flow.split_radius,
                           top.z / d,
@@ -240,11 +240,11 @@ Html ring_part(const Report& report, const FlowComparison& flow) {
                           top.centre.error / flow.split_radius));
   const auto& split = flow.tables.front().split_bottom;
   if (split && !split->rows.empty()) {
-    words +=
-        typeset(fmt::format(" At the surface: {:.4f} by the law of experiments, {:.4f} by the path "
-                            "of least torque; both are geometry, which knows no law of flow.",
-                            split->measured_radius / flow.split_radius,
-                            split->path_radius / flow.split_radius));
+    words += typeset(
+        fmt::format(" At the surface: {:.4f} by the law of experiments, {:.4f} by the path of "
+                    "least torque; both are geometry, which knows no law of flow.",
+                    split->measured_radius / flow.split_radius,
+                    split->path_radius / flow.split_radius));
   }
   return paragraph(words) + table(law_table(report, flow)) + table(height_table(flow));
 }

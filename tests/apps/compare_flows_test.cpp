@@ -102,4 +102,21 @@ TEST_F(CompareFlows, AnAmplitudeNeedsABand) {
   EXPECT_NE(answer.text.find("--fit-nonlocal needs"), std::string::npos) << answer.text;
 }
 
+/// The dry cell of data/local with a published table of its contact friction.
+TEST_F(CompareFlows, ARingCellIsComparedOverItsCrossSection) {
+  const Output answer =
+      grainlaw("compare " + std::string(GRAINLAW_DATA) + "/local/shear_bands/ring_dry.h5 --table " +
+               tables + "shi2020_mu_p_0.01.toml --fit-nonlocal -o " + file("ring", ""));
+  ASSERT_EQ(answer.code, 0) << answer.text;
+  const nlohmann::json json = report("ring");
+  const auto& flow = json["flows"][0];
+  const auto& local = flow["tables"][0]["ring_local"];
+  const auto& nonlocal = flow["tables"][0]["ring_nonlocal"];
+  EXPECT_EQ(local["outcome"], "STEADY");
+  EXPECT_EQ(local["comparison"]["rows"].size(), flow["ring"]["rows"].size());
+  EXPECT_LT(local["comparison"]["velocity"]["value"], 0.1);
+  EXPECT_LT(nonlocal["comparison"]["velocity"]["value"],
+            0.5 * local["comparison"]["velocity"]["value"].get<double>());
+}
+
 }  // namespace

@@ -43,7 +43,8 @@ class PredictFlow : public ::testing::Test {
 };
 
 TEST_F(PredictFlow, ShippedCasesHaveAnAnswer) {
-  for (const char* name : {"plane_shear", "body_force_box", "annular_shear", "split_bottom"}) {
+  for (const char* name :
+       {"plane_shear", "body_force_box", "annular_shear", "split_bottom", "ring_cell"}) {
     const Output answer = predict_shipped(name, "shi2020_mu_p_0.50.toml --json");
     ASSERT_EQ(answer.code, 0) << answer.text;
     const auto json = nlohmann::json::parse(answer.text);
@@ -103,6 +104,7 @@ TEST_F(PredictFlow, WritesProfilesWithTheirCoordinate) {
                                                           {"body_force_box", "\ny ["},
                                                           {"annular_shear", "\nr ["},
                                                           {"split_bottom", "\nz ["},
+                                                          {"ring_cell", "\nz ["},
                                                           {"simple_shear", "inertial_number,"}};
   for (const auto& [name, header] : expected) {
     const std::string csv = path(std::string(name) + ".csv");
