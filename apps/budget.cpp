@@ -172,7 +172,7 @@ class Spending {
       made_.push_back(name);
       warm_ups.push_back(candidate.warm_up);
       scenes.push_back(started(budget_scene(candidate, name, run.averaging, seeds_on)));
-      round_.push_back(name + ": " + run.why);
+      round_.push_back({name, candidate.planned.condition, run.why});
     }
     stop_after(left());
     std::vector<CampaignRun> results =
@@ -307,8 +307,8 @@ class Spending {
   BudgetPlanner planner_;
   double cpu_seconds_ = 0.0;
   bool interrupted_ = false;
-  std::vector<std::string> made_;   ///< names of all runs
-  std::vector<std::string> round_;  ///< runs since the law was fitted last
+  std::vector<std::string> made_;                                ///< names of all runs
+  std::vector<report::BudgetRun> round_;                         ///< since the law was fitted last
   std::vector<std::optional<continuum::RheologyTable>> tables_;  ///< of every round
   std::optional<continuum::RheologyTable> start_law_;            ///< of the latest runs
 };
