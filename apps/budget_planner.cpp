@@ -19,7 +19,9 @@ using calibration::State;
 constexpr double exploring_part = 0.3;
 /// Puts candidates that do not fit a run behind all that do.
 constexpr double too_dear = 1e9;
-/// Of a round; with less of it left a process gets no further run.
+/// Of the time left, at least for a round: few long rounds lose less at their ends than many.
+constexpr double least_round = 1.0 / 16.0;
+/// Of the longest run of a round; with less of the round left a process gets no further one.
 constexpr double least_rest = 0.25;
 /// Part of a run that may be warm-up where the time is enough for a further round.
 constexpr double warm_up_part = 0.2;
@@ -110,29 +112,31 @@ double BudgetPlanner::longest_run(double seconds_left) const {
   return longest;
 }
 
-/// Half of what is left, or all of it where warm-ups would take too much of the half, but no longer
-/// than a run may be. 0: no run fits. Without a law yet nothing is lost by runs that may be cut
-/// off.
-double BudgetPlanner::next_run_seconds(double seconds_left) const {
-  const double all = seconds_left / pace_;
+/// Half of what is left, or all of it where warm-ups would take too much of the half. 0: no run
+/// fits. Without a law yet nothing is lost by runs that may be cut off.
+double BudgetPlanner::next_run_seconds(double all) const {
   const auto worthwhile = [&](const BudgetCandidate& one) {
     const double warm_up = one.warm_up * one.seconds_per_unit;
     return !one.fits(all) || (one.fits(0.5 * all) && warm_up <= warm_up_part * 0.5 * all);
   };
   if (!any_fits(all)) return table_ ? 0.0 : all;
-  return std::min(std::ranges::all_of(candidates_, worthwhile) ? 0.5 * all : all, longest_run(all));
+  return std::ranges::all_of(candidates_, worthwhile) ? 0.5 * all : all;
 }
 
 std::vector<PlannedSpending> BudgetPlanner::next_round(double seconds_left) {
-  const double seconds = next_run_seconds(seconds_left);
+  const double all = seconds_left / pace_;
+  const double allowed = next_run_seconds(all);
   std::vector<PlannedSpending> runs;
-  if (!(seconds > 0.0)) return runs;
+  if (!(allowed > 0.0)) return runs;
+  // Where no run fits, one that may be cut off takes all that is left.
+  const double longest = any_fits(all) ? std::min(allowed, longest_run(all)) : allowed;
+  const double seconds = std::max(longest, std::min(allowed, least_round * all));
   std::vector<Told> told = told_;
   std::vector<double> busy(static_cast<std::size_t>(processes_), 0.0);
   while (true) {
     double& until = *std::ranges::min_element(busy);  // of the process that is free first
     const double rest = seconds - until;
-    if (rest < least_rest * seconds || (until > 0.0 && !any_fits(rest))) break;
+    if (rest < least_rest * longest || (until > 0.0 && !any_fits(rest))) break;
     const bool exploring = !table_ || explored_ < exploring_part * (later_ + rest);
     const std::size_t k = exploring ? least_run(rest, runs) : most_wanted(rest, seconds, told);
     const BudgetCandidate& one = candidates_[k];

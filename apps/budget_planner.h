@@ -46,8 +46,8 @@ class BudgetPlanner {
   FirstRound first_round(double seconds_left) const;
 
   /// Runs that keep every process at work for the same wall time, in the order in which they
-  /// start; none where the time left is too short. The longest run that a candidate may have is all
-  /// a round takes.
+  /// start; none where the time left is too short. A round takes no longer than the longest run
+  /// that a candidate may have, or a sixteenth of the time left where that is more.
   std::vector<PlannedSpending> next_round(double seconds_left);
 
   /// u_s at a tilt with its standard error: that of the table, or, where it is larger, that of the
@@ -69,7 +69,7 @@ class BudgetPlanner {
   std::vector<std::size_t> spread(const std::vector<std::size_t>& pool) const;
   double wall_seconds(const std::vector<std::size_t>& chosen) const;
   double longest_run(double seconds_left) const;
-  double next_run_seconds(double seconds_left) const;
+  double next_run_seconds(double all) const;
   std::size_t least_run(double seconds, const std::vector<PlannedSpending>& chosen) const;
   std::size_t most_wanted(double seconds,
                           double round_seconds,

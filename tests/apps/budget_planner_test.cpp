@@ -78,7 +78,7 @@ struct Planned {
 
 TEST(BudgetPlanner, NoRunIsAveragedForLongerThanItsSceneAsksFor) {
   Planned plan;
-  const auto runs = plan.planner.next_round(hour);
+  const auto runs = plan.planner.next_round(0.5 * hour);
   ASSERT_FALSE(runs.empty());
   for (const PlannedSpending& run : runs) EXPECT_LE(run.averaging, most * (1.0 + 1e-12));
   for (const double end : plan.ends(runs)) EXPECT_LE(end, longest_run * (1.0 + 1e-12));
@@ -87,8 +87,9 @@ TEST(BudgetPlanner, NoRunIsAveragedForLongerThanItsSceneAsksFor) {
 TEST(BudgetPlanner, AProcessWithShortRunsGetsAsManyAsFillTheRound) {
   Planned plan;
   plan.planner.candidates()[0].least = std::numeric_limits<double>::infinity();  // not again
-  const auto runs = plan.planner.next_round(hour);
-  // The longest is that of I = 0.1 now. No process is left idle for more than a quarter of it.
+  const auto runs = plan.planner.next_round(0.4 * hour);
+  // The longest is that of I = 0.1 now, more than a sixteenth of the time left. No process is left
+  // idle for more than a quarter of it.
   const double round = 0.5 * longest_run;
   EXPECT_GE(runs.size(), 3u);
   for (const double end : plan.ends(runs)) {
@@ -103,7 +104,18 @@ TEST(BudgetPlanner, WhatIsLeftOfARoundGetsNoSliver) {
   // One kind of run takes the round, the other four fifths of it: nothing follows that.
   boxes[0].seconds_per_unit = 0.8 * boxes[1].seconds_per_unit;
   boxes[2].least = boxes[3].least = std::numeric_limits<double>::infinity();  // not again
-  EXPECT_LE(plan.planner.next_round(hour).size(), 2u);
+  EXPECT_LE(plan.planner.next_round(0.4 * hour).size(), 2u);
+}
+
+TEST(BudgetPlanner, ADayIsNotCutIntoRoundsOfOneRun) {
+  Planned plan;
+  const double day = 24.0 * hour;
+  const auto runs = plan.planner.next_round(day);
+  for (const PlannedSpending& run : runs) EXPECT_LE(run.averaging, most * (1.0 + 1e-12));
+  for (const double end : plan.ends(runs)) {
+    EXPECT_GT(end, day / 16.0 - 0.25 * longest_run);
+    EXPECT_LE(end, day / 16.0 * (1.0 + 1e-12));
+  }
 }
 
 TEST(BudgetPlanner, AShortBudgetGivesEveryProcessOneRunOfHalfTheTime) {
