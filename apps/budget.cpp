@@ -163,14 +163,16 @@ class Spending {
 
   void make(const std::vector<PlannedSpending>& runs) {
     std::vector<io::SceneFile> scenes;
+    std::vector<double> warm_ups;
     for (const PlannedSpending& run : runs) {
       const BudgetCandidate& candidate = planner_.candidates()[run.candidate];
       const std::string name = free_name(candidate.planned.condition);
       // A seed of its own for every run: bases and packings of the tilts are independent.
       const std::size_t seeds_on = given_ + made_.size();
       made_.push_back(name);
+      warm_ups.push_back(candidate.warm_up);
       scenes.push_back(started(budget_scene(candidate, name, run.averaging, seeds_on)));
-      round_.push_back(name + ": " + run.why);
+      round_.push_back({name, candidate.planned.condition, run.why});
     }
     stop_after(left());
     std::vector<CampaignRun> results =
@@ -180,7 +182,7 @@ class Spending {
     for (std::size_t k = 0; k < results.size(); ++k) {
       BudgetCandidate& candidate = planner_.candidates()[runs[k].candidate];
       if (!interrupted_) salvage(results[k], scenes[k], candidate);
-      take(results[k], candidate, slowest);
+      take(results[k], candidate, warm_ups[k], slowest);
     }
     if (slowest > 0.0) planner_.set_pace(slowest);
   }
@@ -205,7 +207,7 @@ class Spending {
     }
   }
 
-  void take(CampaignRun& run, BudgetCandidate& candidate, double& slowest) {
+  void take(CampaignRun& run, BudgetCandidate& candidate, double warm_up, double& slowest) {
     cpu_seconds_ += run.cpu_seconds;
     CampaignData& data = outcome_.data;
     if (!run.data && stop_requested()) {
@@ -229,7 +231,7 @@ class Spending {
       outcome_.report.notes.push_back(
           fmt::format("{} is not steady and is not fitted: {}", run.name, run.data->window.reason));
       // After the first round chutes start nearer to their flow.
-      if (!chute || start_law_) candidate.warm_up *= 2.0;
+      candidate.count_unsteady(warm_up, !chute || start_law_);
       if (run.data->window.arrested_at) candidate.least = never;
     } else if (chute) {
       candidate.warm_up = std::min(candidate.warm_up, run.data->window.begin / candidate.unit);
@@ -305,8 +307,8 @@ class Spending {
   BudgetPlanner planner_;
   double cpu_seconds_ = 0.0;
   bool interrupted_ = false;
-  std::vector<std::string> made_;   ///< names of all runs
-  std::vector<std::string> round_;  ///< runs since the law was fitted last
+  std::vector<std::string> made_;                                ///< names of all runs
+  std::vector<report::BudgetRun> round_;                         ///< since the law was fitted last
   std::vector<std::optional<continuum::RheologyTable>> tables_;  ///< of every round
   std::optional<continuum::RheologyTable> start_law_;            ///< of the latest runs
 };

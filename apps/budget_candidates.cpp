@@ -52,6 +52,7 @@ BudgetCandidate candidate_of(const io::PlannedRun& planned, double grain_step) {
   candidate.usable = least_frames * measurement.frame_interval / candidate.unit;
   candidate.least =
       std::max(candidate.usable, least_share * measurement.averaging_time / candidate.unit);
+  candidate.most = std::max(candidate.least, measurement.averaging_time / candidate.unit);
   return candidate;
 }
 
@@ -63,6 +64,20 @@ double BudgetCandidate::seconds(double averaging) const {
 
 double BudgetCandidate::averaging(double seconds) const {
   return (seconds / seconds_per_unit - warm_up) / (1.0 + detector_reserve);
+}
+
+int BudgetCandidate::tries() const {
+  return runs + std::max(0, unsteady - 1);
+}
+
+double BudgetCandidate::steady_share() const {
+  return (runs + 1.0) / (runs + unsteady + 1.0);
+}
+
+void BudgetCandidate::count_unsteady(double warm_up_of_run, bool may_be_start) {
+  ++unsteady;
+  if (!may_be_start || unsteady <= runs) return;
+  warm_up = std::max(warm_up, std::min(2.0 * warm_up_of_run, most));
 }
 
 std::vector<BudgetCandidate> budget_candidates(const std::vector<io::PlannedRun>& planned) {

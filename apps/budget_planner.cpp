@@ -19,6 +19,10 @@ using calibration::State;
 constexpr double exploring_part = 0.3;
 /// Puts candidates that do not fit a run behind all that do.
 constexpr double too_dear = 1e9;
+/// Of the time left, at least for a round: few long rounds lose less at their ends than many.
+constexpr double least_round = 1.0 / 16.0;
+/// Of the longest run of a round; with less of the round left a process gets no further one.
+constexpr double least_rest = 0.25;
 /// Part of a run that may be warm-up where the time is enough for a further round.
 constexpr double warm_up_part = 0.2;
 
@@ -95,34 +99,54 @@ FirstRound BudgetPlanner::first_round(double seconds_left) const {
   return round;
 }
 
+bool BudgetPlanner::any_fits(double seconds) const {
+  return std::ranges::any_of(candidates_, [&](const auto& one) { return one.fits(seconds); });
+}
+
+/// Of the candidates that fit the time left, averaged for as long as one run may be.
+double BudgetPlanner::longest_run(double seconds_left) const {
+  double longest = 0.0;
+  for (const BudgetCandidate& one : candidates_) {
+    if (one.fits(seconds_left)) longest = std::max(longest, one.seconds(one.most));
+  }
+  return longest;
+}
+
 /// Half of what is left, or all of it where warm-ups would take too much of the half. 0: no run
 /// fits. Without a law yet nothing is lost by runs that may be cut off.
-double BudgetPlanner::next_run_seconds(double seconds_left) const {
-  const double all = seconds_left / pace_;
-  const auto fits = [](double seconds) {
-    return [seconds](const BudgetCandidate& one) { return one.fits(seconds); };
-  };
+double BudgetPlanner::next_run_seconds(double all) const {
   const auto worthwhile = [&](const BudgetCandidate& one) {
     const double warm_up = one.warm_up * one.seconds_per_unit;
     return !one.fits(all) || (one.fits(0.5 * all) && warm_up <= warm_up_part * 0.5 * all);
   };
-  if (!std::ranges::any_of(candidates_, fits(all))) return table_ ? 0.0 : all;
+  if (!any_fits(all)) return table_ ? 0.0 : all;
   return std::ranges::all_of(candidates_, worthwhile) ? 0.5 * all : all;
 }
 
 std::vector<PlannedSpending> BudgetPlanner::next_round(double seconds_left) {
-  const double seconds = next_run_seconds(seconds_left);
+  const double all = seconds_left / pace_;
+  const double allowed = next_run_seconds(all);
   std::vector<PlannedSpending> runs;
-  if (!(seconds > 0.0)) return runs;
+  if (!(allowed > 0.0)) return runs;
+  // Where no run fits, one that may be cut off takes all that is left.
+  const double longest = any_fits(all) ? std::min(allowed, longest_run(all)) : allowed;
+  const double seconds = std::max(longest, std::min(allowed, least_round * all));
   std::vector<Told> told = told_;
-  for (int process = 0; process < processes_; ++process) {
-    const bool exploring = !table_ || explored_ < exploring_part * (later_ + seconds);
-    const std::size_t k = exploring ? least_run(seconds, runs) : most_wanted(seconds, told);
-    const double averaging = std::max(candidates_[k].least, candidates_[k].averaging(seconds));
+  std::vector<double> busy(static_cast<std::size_t>(processes_), 0.0);
+  while (true) {
+    double& until = *std::ranges::min_element(busy);  // of the process that is free first
+    const double rest = seconds - until;
+    if (rest < least_rest * longest || (until > 0.0 && !any_fits(rest))) break;
+    const bool exploring = !table_ || explored_ < exploring_part * (later_ + rest);
+    const std::size_t k = exploring ? least_run(rest, runs) : most_wanted(rest, seconds, told);
+    const BudgetCandidate& one = candidates_[k];
+    const double averaging = std::max(one.least, std::min(one.most, one.averaging(rest)));
     if (!std::isfinite(averaging)) break;  // no candidate is left
     runs.push_back({k, averaging, exploring ? "lack of fit" : "largest gain"});
-    later_ += seconds;
-    explored_ += exploring ? seconds : 0.0;
+    const double taken = std::min(rest, one.seconds(averaging));  // what is longer is cut off
+    until += taken;
+    later_ += taken;
+    explored_ += exploring ? taken : 0.0;
     if (table_) told.push_back(expected(k, averaging));
   }
   return runs;
@@ -133,21 +157,26 @@ std::size_t BudgetPlanner::least_run(double seconds,
                                      const std::vector<PlannedSpending>& chosen) const {
   const auto runs = [&](std::size_t k) {
     const auto now = std::ranges::count(chosen, k, &PlannedSpending::candidate);
-    const double few = static_cast<double>(candidates_[k].runs + now);
+    const double few = static_cast<double>(candidates_[k].tries() + now);
     return candidates_[k].fits(seconds) ? few : few + candidates_[k].least * too_dear;
   };
   return *std::ranges::min_element(order_, {}, runs);
 }
 
-std::size_t BudgetPlanner::most_wanted(double seconds, const std::vector<Told>& told) const {
+/// The run is the one that this many seconds allow.
+std::size_t BudgetPlanner::most_wanted(double seconds,
+                                       double round_seconds,
+                                       const std::vector<Told>& told) const {
   std::vector<Candidate> open;
   std::vector<std::size_t> places;
   for (std::size_t k = 0; k < candidates_.size(); ++k) {
-    const std::optional<State> state = state_of(candidates_[k]);
-    if (!state || !candidates_[k].fits(seconds)) continue;
+    const BudgetCandidate& one = candidates_[k];
+    const std::optional<State> state = state_of(one);
+    if (!state || !one.fits(seconds)) continue;
     open.push_back({.state = *state,
-                    .warm_up = candidates_[k].warm_up * candidates_[k].seconds_per_unit,
-                    .noise = noise(k) * std::sqrt(candidates_[k].seconds_per_unit)});
+                    .run = std::min(seconds, one.seconds(one.most)),
+                    .warm_up = one.warm_up * one.seconds_per_unit,
+                    .noise = noise(k) * std::sqrt(one.seconds_per_unit)});
     places.push_back(k);
   }
   if (open.empty()) return least_run(seconds, {});
@@ -157,8 +186,7 @@ std::size_t BudgetPlanner::most_wanted(double seconds, const std::vector<Told>& 
                                          open,
                                          target_gradients(names, open),
                                          information(names, told),
-                                         seconds,
-                                         seconds * processes_)];
+                                         round_seconds * processes_)];
 }
 
 std::vector<double> BudgetPlanner::information(const std::vector<std::string>& names,
@@ -213,7 +241,8 @@ std::optional<State> BudgetPlanner::state_of(const BudgetCandidate& candidate) c
   return State{box.inertial_number, box.softness, box.bond_number};
 }
 
-/// Effective error of mu after averaging over one unit, as the nearest candidates with runs show.
+/// Effective error of mu after averaging over one unit, as the nearest candidates with runs show;
+/// runs that were not steady told nothing.
 double BudgetPlanner::noise(std::size_t k) const {
   double nearest = std::numeric_limits<double>::infinity();
   double sum = 0.0;
@@ -229,7 +258,7 @@ double BudgetPlanner::noise(std::size_t k) const {
     sum += one.observation.error * one.observation.error * one.averaged;
     count += 1.0;
   }
-  return std::sqrt(sum / count);
+  return std::sqrt(sum / count / candidates_[k].steady_share());
 }
 
 /// What a run will tell, if it goes as planned.

@@ -45,7 +45,9 @@ class BudgetPlanner {
   /// until the rest fits the first part of the time left.
   FirstRound first_round(double seconds_left) const;
 
-  /// One run for every process, all of the same wall time; none where the time left is too short.
+  /// Runs that keep every process at work for the same wall time, in the order in which they
+  /// start; none where the time left is too short. A round takes no longer than the longest run
+  /// that a candidate may have, or a sixteenth of the time left where that is more.
   std::vector<PlannedSpending> next_round(double seconds_left);
 
   /// u_s at a tilt with its standard error: that of the table, or, where it is larger, that of the
@@ -66,9 +68,13 @@ class BudgetPlanner {
   double shortest(std::size_t candidate) const;
   std::vector<std::size_t> spread(const std::vector<std::size_t>& pool) const;
   double wall_seconds(const std::vector<std::size_t>& chosen) const;
-  double next_run_seconds(double seconds_left) const;
+  double longest_run(double seconds_left) const;
+  double next_run_seconds(double all) const;
   std::size_t least_run(double seconds, const std::vector<PlannedSpending>& chosen) const;
-  std::size_t most_wanted(double seconds, const std::vector<Told>& told) const;
+  std::size_t most_wanted(double seconds,
+                          double round_seconds,
+                          const std::vector<Told>& told) const;
+  bool any_fits(double seconds) const;
   std::vector<std::vector<double>> target_gradients(
       const std::vector<std::string>& names, std::span<const calibration::Candidate> open) const;
   std::optional<calibration::State> state_of(const BudgetCandidate& candidate) const;

@@ -207,15 +207,14 @@ std::size_t most_wanted(const RheologyTable& table,
                         std::span<const Candidate> candidates,
                         std::span<const std::vector<double>> targets,
                         const std::vector<double>& known,
-                        double run_seconds,
                         double seconds) {
   std::vector<Information> informations;
   std::vector<std::size_t> places;
   for (std::size_t k = 0; k < candidates.size(); ++k) {
-    const double averaged = run_seconds - candidates[k].warm_up;
+    const double averaged = candidates[k].run - candidates[k].warm_up;
     if (!(averaged > 0.0)) continue;
     Information f = friction_gradient(table, coefficients, candidates[k].state);
-    for (double& value : f) value *= std::sqrt(averaged / run_seconds) / candidates[k].noise;
+    for (double& value : f) value *= std::sqrt(averaged / candidates[k].run) / candidates[k].noise;
     informations.push_back(std::move(f));
     places.push_back(k);
   }

@@ -51,6 +51,7 @@ double effective_friction_error(const continuum::RheologyTable& table,
 /// A setting at which a run may be made.
 struct Candidate {
   State state;
+  double run = 0.0;      ///< that would be made, warm-up included [s]
   double warm_up = 0.0;  ///< before averaging begins [s]
   double noise = 0.0;    ///< effective standard error of mu after averaging for one second
 };
@@ -71,14 +72,13 @@ std::vector<double> information_of(const continuum::RheologyTable& table,
 
 /// The candidate with the largest V-optimal share of `seconds` of DEM, of which every run loses its
 /// warm-up: the one the predictions miss most. `targets` are gradients of what will be predicted.
-/// Candidates whose warm-up takes longer than a run of `run_seconds` are passed over. Throws
+/// Candidates whose warm-up takes all of their run are passed over. Throws
 /// std::invalid_argument where none is left.
 std::size_t most_wanted(const continuum::RheologyTable& table,
                         const std::vector<std::string>& coefficients,
                         std::span<const Candidate> candidates,
                         std::span<const std::vector<double>> targets,
                         const std::vector<double>& known,
-                        double run_seconds,
                         double seconds);
 
 }  // namespace grainlaw::calibration

@@ -5,8 +5,12 @@
 namespace grainlaw::report {
 namespace {
 
+json run_json(const BudgetRun& run) {
+  return run.name + ": " + run.why;
+}
+
 json round_json(const BudgetRound& round) {
-  return {{"runs", round.runs},
+  return {{"runs", list_json(round.runs, run_json)},
           {"wall_seconds", round.wall_seconds},
           {"cpu_seconds", round.cpu_seconds},
           {"surface_velocity", list_json(round.surface_velocity, estimate_json)},

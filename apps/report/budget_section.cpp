@@ -14,6 +14,7 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr const char* data_file = "budget.csv";
+constexpr std::size_t most_rounds = 20;  // to read at a glance
 
 /// Standard error over value; NaN where a target has no prediction with an error.
 double relative_error(const BudgetRound& round, std::size_t target) {
@@ -41,9 +42,24 @@ std::vector<Html> head(const BudgetReport& budget) {
   return result;
 }
 
-std::vector<Html> row(const BudgetReport& budget, const BudgetRound& round) {
+/// "3 runs of I0.14_p0.0001_Bo0: largest gain" for those of one condition and reason.
+std::vector<Html> run_lines(const std::vector<BudgetRun>& runs) {
   std::vector<Html> lines;
-  for (const std::string& run : round.runs) lines.push_back(text(run));
+  for (auto run = runs.begin(); run != runs.end(); ++run) {
+    const auto alike = [&](const BudgetRun& other) {
+      return other.condition == run->condition && other.why == run->why;
+    };
+    if (std::any_of(runs.begin(), run, alike)) continue;
+    const auto seeds = std::count_if(run, runs.end(), alike);
+    lines.push_back(text(seeds == 1
+                             ? fmt::format("{}: {}", run->name, run->why)
+                             : fmt::format("{} runs of {}: {}", seeds, run->condition, run->why)));
+  }
+  return lines;
+}
+
+std::vector<Html> row(const BudgetReport& budget, const BudgetRound& round) {
+  std::vector<Html> lines = run_lines(round.runs);
   if (!round.failure.empty()) lines.push_back(text("no law yet: " + round.failure));
   std::vector<Html> result{join(lines, "<br/>"_html),
                            text(duration(round.wall_seconds)),
@@ -141,10 +157,11 @@ Html budget_section(const BudgetReport& budget,
                                             duration(budget.spent_seconds),
                                             duration(budget.seconds),
                                             budget.processes))) +
-                 table(rounds) + show(group, pictures);
+                 folded(budget.rounds.size(), most_rounds, "rounds", table(rounds)) +
+                 show(group, pictures);
   std::vector<Html> notes;
   for (const std::string& note : budget.notes) notes.push_back(typeset(note));
-  if (!notes.empty()) content += list(notes);
+  if (!notes.empty()) content += long_list(notes, "remarks on runs");
   return section("budget", "Budget"_html, content);
 }
 

@@ -83,6 +83,19 @@ Html list(const std::vector<Html>& items) {
   return result + "</ul>\n"_html;
 }
 
+Html folded(std::size_t count, std::size_t most, std::string_view what, const Html& content) {
+  if (count <= most) return content;
+  return {fmt::format("<details>\n<summary>{} {}</summary>\n{}</details>\n",
+                      count,
+                      text(what).markup,
+                      content.markup)};
+}
+
+Html long_list(const std::vector<Html>& items, std::string_view what) {
+  constexpr std::size_t most = 8;
+  return folded(items.size(), most, what, list(items));
+}
+
 Html section(std::string_view id, const Html& title, const Html& content) {
   return {fmt::format(
       "<section id=\"{}\">\n<h2>{}</h2>\n{}</section>\n", id, title.markup, content.markup)};

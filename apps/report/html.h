@@ -24,6 +24,13 @@ Html text(std::string_view plain);
 Html join(const std::vector<Html>& parts, const Html& separator);
 Html paragraph(const Html& content);
 Html list(const std::vector<Html>& items);
+
+/// The content of `count` items, behind "25 points" (to be opened) where they are more than `most`.
+Html folded(std::size_t count, std::size_t most, std::string_view what, const Html& content);
+
+/// A list that more than eight items fold.
+Html long_list(const std::vector<Html>& items, std::string_view what);
+
 Html section(std::string_view id, const Html& title, const Html& content);
 
 /// A table whose first `text_columns` columns hold words (left), the others numbers (right). A row

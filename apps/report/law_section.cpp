@@ -98,7 +98,7 @@ Table point_table(const std::vector<calibration::FlowPoint>& points) {
 Html sentences(const std::vector<std::string>& lines) {
   std::vector<Html> items;
   for (const std::string& line : lines) items.push_back(typeset(line));
-  return items.empty() ? Html{} : list(items);
+  return items.empty() ? Html{} : long_list(items, "remarks");
 }
 
 /// What was left out stands with the fits; here only what a reader must know of the points.

@@ -270,7 +270,8 @@ Html introduction(const MaterialReport& material) {
   std::vector<Html> items;
   for (const std::string& sentence : material.left_out) items.push_back(typeset(sentence));
   if (items.empty()) return result;
-  return result + R"(<div class="aside">Without a point:)"_html + list(items) + "</div>\n"_html;
+  return result + R"(<div class="aside">Without a point:)"_html + long_list(items, "runs") +
+         "</div>\n"_html;
 }
 
 }  // namespace
@@ -286,7 +287,9 @@ Html material_section(const MaterialReport& material,
       table(coefficient_table(material, "Volume fraction φ(I, p*, Bo)", fit.volume_fraction));
   content += fit_remarks(fit.volume_fraction);
   for (std::size_t k = 0; k + 1 < groups.size(); ++k) content += show(groups[k], pictures);
-  content += score_tables(fit) + table(point_table(material));
+  constexpr std::size_t most_points = 60;
+  content += score_tables(fit);
+  content += folded(material.points.size(), most_points, "points", table(point_table(material)));
   content += cost_part(material, groups, pictures);
   return section("material", "Material laws of homogeneous flow"_html, content);
 }

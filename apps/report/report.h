@@ -200,11 +200,18 @@ struct SeedScatter {
   double expected_scatter() const { return mean.error * std::sqrt(static_cast<double>(seeds)); }
 };
 
+/// A run that a budget paid for.
+struct BudgetRun {
+  std::string name;
+  std::string condition;  ///< the same for runs that differ in their seed only
+  std::string why;
+};
+
 /// What was known after some of the time of a budget.
 struct BudgetRound {
-  std::vector<std::string> runs;  ///< "name: why", made since the round before
-  double wall_seconds = 0.0;      ///< since the start, until the law of this round was known
-  double cpu_seconds = 0.0;       ///< of all DEM runs until then
+  std::vector<BudgetRun> runs;  ///< made since the round before
+  double wall_seconds = 0.0;    ///< since the start, until the law of this round was known
+  double cpu_seconds = 0.0;     ///< of all DEM runs until then
   /// u_s of every target as the law of this round predicts it [length/time]; NaN: it does not flow.
   std::vector<dem::Estimate> surface_velocity;
   /// Relative L2 velocity error of the same law for every target that was measured outside the

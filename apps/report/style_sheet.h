@@ -48,6 +48,7 @@ dl.summary dd { margin: 0; }
   max-width: 60rem; }
 .aside { color: var(--soft); font-size: 0.88rem; }
 .aside ul { margin: 0.2rem 0 1rem; }
+summary { cursor: pointer; color: var(--link); margin: 0.7rem 0; }
 .scroll { overflow-x: auto; margin: 1rem 0 1.4rem; }
 table { border-collapse: collapse; border-top: 1.5px solid var(--ink);
   border-bottom: 1.5px solid var(--ink); font: 0.84rem/1.35 system-ui, "Segoe UI", Roboto,

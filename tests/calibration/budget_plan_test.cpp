@@ -106,7 +106,8 @@ TEST(BudgetPlan, InformationAddsUpOverRuns) {
 std::vector<Candidate> boxes() {
   std::vector<Candidate> candidates;
   for (double I : {0.02, 0.1, 0.3}) {
-    candidates.push_back({.state = {.inertial_number = I}, .warm_up = 1.0, .noise = 0.01});
+    candidates.push_back(
+        {.state = {.inertial_number = I}, .run = 10.0, .warm_up = 1.0, .noise = 0.01});
   }
   return candidates;
 }
@@ -114,7 +115,7 @@ std::vector<Candidate> boxes() {
 std::size_t wanted(const std::vector<Candidate>& candidates, const std::vector<Observation>& told) {
   const std::vector<std::vector<double>> targets{{1.0, 0.1}};  // mu at I = 0.1
   const auto known = information_of(straight_law(), both, told);
-  return most_wanted(straight_law(), both, candidates, targets, known, 10.0, 10.0);
+  return most_wanted(straight_law(), both, candidates, targets, known, 10.0);
 }
 
 TEST(BudgetPlan, TheEndThatWasMeasuredWorseIsWantedMost) {
@@ -135,7 +136,7 @@ TEST(BudgetPlan, TwoPointsDoNotTellALawBetweenThemThatMayBeCurved) {
   const std::vector<std::vector<double>> target{g};
   // The ends leave an error of 1e-6 each.
   EXPECT_NEAR(std::sqrt(mean_variance(target, known)), 0.6 * 0.016 * 4.0, 1e-5);
-  EXPECT_EQ(most_wanted(straight_law(), curved, boxes(), target, known, 10.0, 10.0), 1u);
+  EXPECT_EQ(most_wanted(straight_law(), curved, boxes(), target, known, 10.0), 1u);
 }
 
 TEST(BudgetPlan, ACandidateWhoseWarmUpFillsTheRunIsPassedOver) {
