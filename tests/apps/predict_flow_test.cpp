@@ -117,6 +117,12 @@ TEST_F(PredictFlow, WritesProfilesWithTheirCoordinate) {
   }
 }
 
+TEST_F(PredictFlow, AStressHasTheUnitOfItsCase) {
+  for (const auto& [name, unit] :
+       {std::pair("plane_shear", " m g/d^2\n"), {"annular_shear", " Pa\n"}})
+    EXPECT_NE(predict_shipped(name, "shi2020_mu_p_0.50.toml").text.find(unit), std::string::npos);
+}
+
 TEST_F(PredictFlow, CheckSaysWhatIsLeftOut) {
   const Output answer = predict_shipped("body_force_box", "shi2020_mu_p_0.50.toml --check");
   EXPECT_EQ(answer.code, 0);
