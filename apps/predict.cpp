@@ -265,10 +265,21 @@ ExitCode predict_steady(const Arguments& arguments,
   return ExitCode::answered;
 }
 
+/// Before anything is computed: nothing that is read here, or was by others, is written over.
+void refuse_overwriting(const Arguments& arguments, const io::CaseFile& file) {
+  if (arguments.output.empty()) return;
+  std::vector<std::string> outputs = {arguments.output};
+  for (const double time : file.transient.output_times)
+    outputs.push_back(snapshot_path(arguments.output, time * file.units.time).string());
+  for (const std::string& output : outputs) {
+    refuse_overwriting_input(output, {arguments.question, arguments.table});
+    refuse_overwriting_run(output);
+  }
+}
+
 ExitCode predict(const Arguments& arguments, const CommonOptions& options) {
-  refuse_overwriting_input(arguments.output, {arguments.question, arguments.table});
-  refuse_overwriting_run(arguments.output);
   io::CaseFile file = io::read_case(arguments.question);
+  refuse_overwriting(arguments, file);
   const continuum::RheologyTable table =
       io::in_grain_units(io::read_table(arguments.table), file.units);
   if (!file.simple_shear) continuum::validate(table);  // no flow follows from phi alone

@@ -100,6 +100,10 @@ void refuse_overwriting_run(const std::string& output) {
     throw io::InputError(
         fmt::format("{}: is an HDF5 file and would be overwritten; choose another -o", output));
   }
+  if (file.is_open() && std::filesystem::path(output).extension() == ".toml") {
+    throw io::InputError(fmt::format(
+        "{}: is a TOML file, as inputs are, and would be overwritten; choose another -o", output));
+  }
 }
 
 void require_writable(const std::string& path) {

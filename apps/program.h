@@ -33,7 +33,8 @@ const char* stop_reason();
 /// Throws io::InputError when an output path names one of the inputs.
 void refuse_overwriting_input(const std::string& output, const std::vector<std::string>& inputs);
 
-/// Throws io::InputError when a text is to be written over an HDF5 file, hours of DEM.
+/// Throws io::InputError when a text is to be written over an HDF5 file, hours of DEM, or over a
+/// TOML file, which somebody wrote by hand or fitted.
 void refuse_overwriting_run(const std::string& output);
 
 /// Throws io::FileError when no file can be written at this path.
