@@ -44,7 +44,7 @@ CommandLine::CommandLine(const std::string& verb,
   CLI::App& app = parser_->app;
   CommonOptions& common = parser_->common;
   app.footer("Example:\n" + example +
-             "\n\nExit codes: 0 answered, 1 bad input, 2 no steady state or refused step,\n"
+             "\n\nExit codes: 0 answered, 1 bad input, 2 no steady state or refused,\n"
              "            3 disk or memory, 4 stopped");
   app.set_version_flag("--version", GRAINLAW_VERSION);
   app.add_flag("--check", common.check, "say what would run; run nothing");

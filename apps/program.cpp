@@ -116,6 +116,22 @@ void require_writable(const std::string& path) {
   }
 }
 
+std::string shell_word(const std::string& text) {
+  constexpr std::string_view harmless =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+./,:=@%";
+  if (!text.empty() && text.find_first_not_of(harmless) == std::string::npos) return text;
+  std::string word = "'";
+  for (const char c : text) word += c == '\'' ? "'\\''" : std::string(1, c);
+  return word + "'";
+}
+
+std::string option_text(const std::string& name, const std::vector<std::string>& words) {
+  if (words.empty()) return {};
+  std::string text = ' ' + name;
+  for (const std::string& word : words) text.append(1, ' ').append(shell_word(word));
+  return text;
+}
+
 std::string machine() {
   std::string processor = "unknown processor";
   std::ifstream file("/proc/cpuinfo");

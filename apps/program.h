@@ -40,6 +40,12 @@ void refuse_overwriting_run(const std::string& output);
 /// Throws io::FileError when no file can be written at this path.
 void require_writable(const std::string& path);
 
+/// A word that a shell takes as it is, in quotes where it must be.
+std::string shell_word(const std::string& text);
+
+/// An option and the words that follow it, with a blank before it; nothing where there are none.
+std::string option_text(const std::string& name, const std::vector<std::string>& words);
+
 /// Processor and number of cores, for statements about run time.
 std::string machine();
 
