@@ -90,7 +90,15 @@ void CommandLine::option_list(const std::string& name,
 void CommandLine::number(const std::string& name,
                          std::optional<double>& target,
                          const std::string& help) {
-  parser_->app.add_option(name, target, help)->check(CLI::PositiveNumber);
+  const auto read = [name, &target](const std::string& text) {
+    double value = 0.0;
+    const char* const end = text.data() + text.size();
+    const auto [rest, error] = std::from_chars(text.data(), end, value);
+    if (error != std::errc{} || rest != end || !std::isfinite(value) || value <= 0.0)
+      throw CLI::ValidationError(name, "'" + text + "' is no number above 0");
+    target = value;
+  };
+  parser_->app.add_option_function<std::string>(name, read, help)->type_name("FLOAT");
 }
 
 void CommandLine::duration(const std::string& name, double& seconds, const std::string& help) {

@@ -127,7 +127,7 @@ std::string shell_word(const std::string& text) {
 
 std::string option_text(const std::string& name, const std::vector<std::string>& words) {
   if (words.empty()) return {};
-  std::string text = ' ' + name;
+  std::string text = name.empty() ? name : ' ' + name;
   for (const std::string& word : words) text.append(1, ' ').append(shell_word(word));
   return text;
 }

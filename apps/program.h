@@ -43,7 +43,8 @@ void require_writable(const std::string& path);
 /// A word that a shell takes as it is, in quotes where it must be.
 std::string shell_word(const std::string& text);
 
-/// An option and the words that follow it, with a blank before it; nothing where there are none.
+/// An option and the words that follow it, or the words alone, with a blank before each; nothing
+/// where there are no words.
 std::string option_text(const std::string& name, const std::vector<std::string>& words);
 
 /// Processor and number of cores, for statements about run time.
