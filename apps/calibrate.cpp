@@ -251,6 +251,8 @@ ExitCode run(const io::Campaign& campaign,
              const CommonOptions& options) {
   const auto reference = reference_of(campaign, arguments);  // before hours of runs
   const fs::path directory = arguments.output;
+  refuse_overwriting_input((directory / "table.toml").string(),
+                           {arguments.reference, campaign.start_table.string()});
   const DirectoryLock lock(directory);
   catch_stop_signals(arguments.max_wall);
   std::optional<report::BudgetReport> budget;
@@ -306,8 +308,11 @@ ExitCode calibrate(const Arguments& arguments, const CommonOptions& options) {
     throw io::InputError("give either a CAMPAIGN.toml or --tables; --help shows examples");
   }
   if (!arguments.tables.empty()) {
-    if (arguments.list || !arguments.from.empty() || !arguments.reference.empty()) {
-      throw io::InputError("--list, --from and --reference go with a campaign, not with --tables");
+    if (arguments.list || !arguments.from.empty() || !arguments.reference.empty() ||
+        arguments.budget > 0.0 || arguments.max_wall > 0.0) {
+      throw io::InputError(
+          "--list, --from, --reference, --budget and --max-wall go with a campaign, not with "
+          "--tables");
     }
     return fit_over_tables(arguments, options);
   }

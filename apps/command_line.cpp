@@ -15,6 +15,10 @@ struct DurationUnit {
   std::string_view name;
   double seconds;
 };
+std::string not_empty(const std::string& text) {
+  return text.empty() ? "an empty text is given" : "";
+}
+
 constexpr DurationUnit duration_units[] = {{"", 1.0}, {"s", 1.0}, {"min", 60.0}, {"h", 3600.0}};
 
 }  // namespace
@@ -57,13 +61,13 @@ CommandLine::CommandLine(const std::string& verb,
 CommandLine::~CommandLine() = default;
 
 void CommandLine::required(const std::string& name, std::string& target, const std::string& help) {
-  parser_->app.add_option(name, target, help)->required();
+  parser_->app.add_option(name, target, help)->required()->check(not_empty);
 }
 
 void CommandLine::list(const std::string& name,
                        std::vector<std::string>& target,
                        const std::string& help) {
-  parser_->app.add_option(name, target, help)->required();
+  parser_->app.add_option(name, target, help)->required()->check(not_empty);
 }
 
 void CommandLine::flag(const std::string& name, bool& target, const std::string& help) {
@@ -74,9 +78,6 @@ void CommandLine::option(const std::string& name,
                          std::string& target,
                          const std::string& help,
                          bool is_required) {
-  const auto not_empty = [](const std::string& text) {
-    return text.empty() ? std::string("an empty text is given") : std::string{};
-  };
   parser_->app.add_option(name, target, help)->required(is_required)->check(not_empty);
 }
 
@@ -84,7 +85,7 @@ void CommandLine::option_list(const std::string& name,
                               std::vector<std::string>& target,
                               const std::string& help,
                               bool is_required) {
-  parser_->app.add_option(name, target, help)->required(is_required);
+  parser_->app.add_option(name, target, help)->required(is_required)->check(not_empty);
 }
 
 void CommandLine::number(const std::string& name,

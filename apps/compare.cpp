@@ -54,8 +54,10 @@ Input read(const Arguments& arguments) {
   for (const std::string& path : arguments.tables) {
     if (!seen.insert(io::read_file(path)).second)
       throw io::InputError(path + ": the same table is given twice");
-    input.tables.push_back(
-        {fs::path(path).filename().string(), io::in_grain_units(io::read_table(path), units)});
+    const continuum::RheologyTable table = io::read_table(path);
+    if (!table.has_friction)
+      throw io::InputError(path + ": has phi only, and without friction nothing flows by it");
+    input.tables.push_back({fs::path(path).filename().string(), io::in_grain_units(table, units)});
   }
   return input;
 }

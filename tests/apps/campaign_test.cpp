@@ -260,6 +260,25 @@ TEST_F(Campaigns, ABudgetTooSmallForThreeRunsNamesOneThatIsNot) {
   EXPECT_TRUE(check.says("too small")) << check.text;
 }
 
+TEST_F(Campaigns, AReferenceIsNotWrittenOver) {
+  const std::string published = std::string(GRAINLAW_DATA) + "/tables/shi2020_mu_p_0.50.toml";
+  fs::create_directories(path("out"));
+  fs::copy_file(published, path("out/table.toml"));
+  const Output refused = calibrate("out", "--reference " + path("out/table.toml"));
+  EXPECT_EQ(refused.code, 1);
+  EXPECT_TRUE(refused.says("overwritten")) << refused.text;
+  EXPECT_EQ(read(path("out/table.toml")), read(published));
+}
+
+TEST_F(Campaigns, OptionsOfACampaignDoNotGoWithTables) {
+  const std::string published = std::string(GRAINLAW_DATA) + "/tables/shi2020_mu_p_0.50.toml";
+  for (const char* option : {"--list", "--budget 9s", "--max-wall 9s"}) {
+    const Output refused = shell(bin + "/grainlaw calibrate " + option + " --tables " + published);
+    EXPECT_EQ(refused.code, 1);
+    EXPECT_TRUE(refused.says("not with --tables")) << refused.text;
+  }
+}
+
 TEST_F(Campaigns, ABudgetNeedsConditionsToChooseFrom) {
   std::ofstream(path("campaign.toml"))
       << "[[shear_boxes]]\nscene = \"box.toml\"\ninertial_number = [0.1, 0.2]\nstrain = 3\n";

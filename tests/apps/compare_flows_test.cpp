@@ -102,6 +102,9 @@ TEST_F(CompareFlows, WhatIsGivenTwiceOrContradictsItselfIsRefused) {
   const std::pair<std::string, const char*> cases[] = {
       {file("box") + " " + file("copy") + " -t " + table, "the same run is given twice"},
       {file("box") + " -t " + table + " " + table, "the same table is given twice"},
+      {file("box") + " -t " + tables + "shi2020_phi_mu_p_0.30.toml", "0.30.toml: has phi only"},
+      {file("box") + " -t ''", "an empty text is given"},
+      {"'' -t " + table, "an empty text is given"},
       {file("walls") + " -t " + table + " --nonlocal 0.5 --fit-nonlocal", "give one"},
       {file("walls") + " -t " + table + " --nonlocal -1", "'-1' is no number above 0"},
       {file("walls") + " -t " + table + " --nonlocal nan", "'nan' is no number above 0"},
