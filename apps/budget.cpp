@@ -11,6 +11,7 @@
 #include "apps/campaign_report.h"
 #include "apps/campaign_run.h"
 #include "apps/compare_runs.h"
+#include "apps/exit_code.h"
 #include "apps/measured_so_far.h"
 #include "apps/program.h"
 #include "calibration/comparison.h"
@@ -131,7 +132,7 @@ class Spending {
   [[noreturn]] void refuse(double first_seconds) {
     const std::size_t candidates = planner_.candidates().size();
     if (candidates < BudgetPlanner::fewest_runs) {
-      throw io::InputError(
+      throw NoAnswer(
           fmt::format("a budget needs at least {} conditions to choose from, and the campaign has "
                       "{}: run it without --budget",
                       BudgetPlanner::fewest_runs,
@@ -139,7 +140,7 @@ class Spending {
     }
     const double runs = first_seconds / BudgetPlanner::first_part + passed();
     const double smallest = std::max(runs / (1.0 - report_part), runs + least_report_seconds);
-    throw io::InputError(fmt::format(
+    throw NoAnswer(fmt::format(
         "a budget of {} is too small for these scenes: their {} shortest runs take about {} on {} "
         "processes; give at least {}, or scenes of fewer grains",
         duration_text(settings_.seconds),

@@ -36,7 +36,7 @@ struct BudgetOutcome {
 /// start with the profile of the law as it is then. A run that the end of the budget or its own
 /// time limit cuts off counts with what it has, if 16 frames of it are steady.
 ///
-/// Throws io::InputError where the budget is too small for three runs, naming one that is not;
+/// Throws NoAnswer where the budget is too small for three runs, naming one that is not;
 /// calibration::FitError where no law could be fitted in the end; what run_scenes throws. After a
 /// signal the data are not complete.
 BudgetOutcome measure_within(const io::Campaign& campaign,

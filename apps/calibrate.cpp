@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "apps/budget.h"
+#include "apps/campaign_check.h"
 #include "apps/campaign_data.h"
 #include "apps/campaign_report.h"
 #include "apps/campaign_run.h"
@@ -139,35 +140,36 @@ void write_bagnold_tables(const std::vector<report::RunComparison>& runs,
   }
 }
 
-ExitCode check(const io::Campaign& campaign, const CommonOptions& options) {
-  std::string text;
-  RunTime total;
-  int runs = 0;
-  for (const io::PlannedRun& run : io::planned_runs(campaign)) {
-    const RunTime time = run_time(run.file.scene);
-    total.least += time.least;
-    total.most += time.most;
-    ++runs;
-    const Summary summary = check_scene(run.file, time);
-    if (!text.empty()) text += options.json ? ",\n" : "\n";
-    text += options.json ? summary.json() : summary.text();
+/// The table that shear boxes or the runs of a series are held against, where one is given.
+std::optional<Reference> reference_of(const io::Campaign& campaign, const Arguments& arguments) {
+  if (arguments.reference.empty()) return {};
+  if (campaign.shear_boxes.empty() && campaign.series.empty()) {
+    throw io::InputError(
+        "--reference goes with [[shear_boxes]] and [[series]]; hold runs of chutes against a table "
+        "with "
+        "`grainlaw compare`");
   }
-  if (!options.json && runs > 1) {
-    text += fmt::format("\nall {} runs, one after the other: {} to {}; {} at a time\n",
-                        runs,
-                        duration_text(total.least),
-                        duration_text(total.most),
-                        options.threads);
+  continuum::RheologyTable table = io::read_table(arguments.reference);
+  if (!std::holds_alternative<continuum::MuPhi>(table.law)) {
+    throw io::InputError(
+        fmt::format("{}: holds the a and b of one tilt; a table of mu(I, p*, Bo) or phi(I, p*, Bo) "
+                    "is wanted as --reference",
+                    arguments.reference));
   }
-  fmt::print("{}", options.json ? "[\n" + text + "]\n" : text);
-  return ExitCode::answered;
+  return Reference{fs::path(arguments.reference).stem().string(), std::move(table)};
 }
 
-/// A word that a shell takes as it is.
-std::string shell_word(const fs::path& path) {
-  std::string word = "'";
-  for (const char c : path.string()) word += c == '\'' ? "'\\''" : std::string(1, c);
-  return word + "'";
+ExitCode check(const io::Campaign& campaign,
+               const Arguments& arguments,
+               const CommonOptions& options) {
+  reference_of(campaign, arguments);
+  if (arguments.budget > 0.0)
+    check_budget(campaign, arguments.from, arguments.budget, options);
+  else if (!arguments.from.empty())
+    check_given(campaign, arguments.from, options);
+  else
+    check_runs(campaign, options);
+  return ExitCode::answered;
 }
 
 /// One command per run, for other programs to start.
@@ -184,8 +186,8 @@ ExitCode list(const io::Campaign& campaign, const fs::path& directory) {
   for (const std::string& warning : warnings) say("warning: " + warning);
   for (const io::SceneFile& file : scenes) {
     fmt::print("grainlaw dem {} -o {}\n",
-               shell_word(scene_path(runs, file.scene.name)),
-               shell_word(data_path(runs, file.scene.name)));
+               shell_word(scene_path(runs, file.scene.name).string()),
+               shell_word(data_path(runs, file.scene.name).string()));
   }
   return ExitCode::answered;
 }
@@ -210,23 +212,13 @@ void write_results(const report::SeriesReport& report,
   add_series_lines(summary, report);
 }
 
-/// The table that shear boxes or the runs of a series are held against, where one is given.
-std::optional<Reference> reference_of(const io::Campaign& campaign, const Arguments& arguments) {
-  if (arguments.reference.empty()) return {};
-  if (campaign.shear_boxes.empty() && campaign.series.empty()) {
-    throw io::InputError(
-        "--reference goes with [[shear_boxes]] and [[series]]; hold runs of chutes against a table "
-        "with "
-        "`grainlaw compare`");
-  }
-  continuum::RheologyTable table = io::read_table(arguments.reference);
-  if (!std::holds_alternative<continuum::MuPhi>(table.law)) {
-    throw io::InputError(
-        fmt::format("{}: holds the a and b of one tilt; a table of mu(I, p*, Bo) or phi(I, p*, Bo) "
-                    "is wanted as --reference",
-                    arguments.reference));
-  }
-  return Reference{fs::path(arguments.reference).stem().string(), std::move(table)};
+/// What made a report, as far as it decides what is in it.
+std::string command_of(const io::Campaign& campaign, const Arguments& arguments) {
+  std::string text = "grainlaw calibrate " + shell_word(campaign.path.filename().string());
+  text += option_text("--from", arguments.from);
+  if (!arguments.reference.empty()) text += option_text("--reference", {arguments.reference});
+  if (arguments.budget > 0.0) text += fmt::format(" --budget {:g}s", arguments.budget);
+  return text;
 }
 
 /// From data to table and report.
@@ -241,11 +233,14 @@ Summary conclude(const io::Campaign& campaign,
   const fs::path directory = arguments.output;
   if (campaign.series.empty()) {
     report::Report report = evaluate(campaign, std::move(data), directory, reference);
+    report.command = command_of(campaign, arguments);
     if (budget) add_budget_lines(summary, *budget);
     report.budget = std::move(budget);
     write_results(report, directory, summary);
   } else {
-    write_results(evaluate_series(campaign, std::move(data), reference), directory, summary);
+    report::SeriesReport report = evaluate_series(campaign, std::move(data), reference);
+    report.command = command_of(campaign, arguments);
+    write_results(report, directory, summary);
   }
   summary.add("report", "report", (directory / "report.html").string());
   return summary;
@@ -256,6 +251,8 @@ ExitCode run(const io::Campaign& campaign,
              const CommonOptions& options) {
   const auto reference = reference_of(campaign, arguments);  // before hours of runs
   const fs::path directory = arguments.output;
+  refuse_overwriting_input((directory / "table.toml").string(),
+                           {arguments.reference, campaign.start_table.string()});
   const DirectoryLock lock(directory);
   catch_stop_signals(arguments.max_wall);
   std::optional<report::BudgetReport> budget;
@@ -311,8 +308,11 @@ ExitCode calibrate(const Arguments& arguments, const CommonOptions& options) {
     throw io::InputError("give either a CAMPAIGN.toml or --tables; --help shows examples");
   }
   if (!arguments.tables.empty()) {
-    if (arguments.list || !arguments.from.empty() || !arguments.reference.empty()) {
-      throw io::InputError("--list, --from and --reference go with a campaign, not with --tables");
+    if (arguments.list || !arguments.from.empty() || !arguments.reference.empty() ||
+        arguments.budget > 0.0 || arguments.max_wall > 0.0) {
+      throw io::InputError(
+          "--list, --from, --reference, --budget and --max-wall go with a campaign, not with "
+          "--tables");
     }
     return fit_over_tables(arguments, options);
   }
@@ -331,7 +331,7 @@ ExitCode calibrate(const Arguments& arguments, const CommonOptions& options) {
         "other finished ones");
   }
   const io::Campaign campaign = io::read_campaign(arguments.campaign);
-  if (options.check) return check(campaign, options);
+  if (options.check) return check(campaign, arguments, options);
   if (arguments.list) return list(campaign, arguments.output);
   return run(campaign, arguments, options);
 }

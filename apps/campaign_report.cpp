@@ -159,7 +159,6 @@ void study_series(report::SeriesReport& report,
 
 void begin(report::ReportHead& report, const io::Campaign& campaign, CampaignData& data) {
   report.title = campaign.title;
-  report.command = "grainlaw calibrate " + campaign.path.filename().string();
   report.machine = machine();
   report.warnings = std::move(data.warnings);
   report.costs = std::move(data.costs);

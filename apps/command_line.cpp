@@ -15,6 +15,10 @@ struct DurationUnit {
   std::string_view name;
   double seconds;
 };
+std::string not_empty(const std::string& text) {
+  return text.empty() ? "an empty text is given" : "";
+}
+
 constexpr DurationUnit duration_units[] = {{"", 1.0}, {"s", 1.0}, {"min", 60.0}, {"h", 3600.0}};
 
 }  // namespace
@@ -44,7 +48,7 @@ CommandLine::CommandLine(const std::string& verb,
   CLI::App& app = parser_->app;
   CommonOptions& common = parser_->common;
   app.footer("Example:\n" + example +
-             "\n\nExit codes: 0 answered, 1 bad input, 2 no steady state or refused step,\n"
+             "\n\nExit codes: 0 answered, 1 bad input, 2 no steady state or refused,\n"
              "            3 disk or memory, 4 stopped");
   app.set_version_flag("--version", GRAINLAW_VERSION);
   app.add_flag("--check", common.check, "say what would run; run nothing");
@@ -57,13 +61,13 @@ CommandLine::CommandLine(const std::string& verb,
 CommandLine::~CommandLine() = default;
 
 void CommandLine::required(const std::string& name, std::string& target, const std::string& help) {
-  parser_->app.add_option(name, target, help)->required();
+  parser_->app.add_option(name, target, help)->required()->check(not_empty);
 }
 
 void CommandLine::list(const std::string& name,
                        std::vector<std::string>& target,
                        const std::string& help) {
-  parser_->app.add_option(name, target, help)->required();
+  parser_->app.add_option(name, target, help)->required()->check(not_empty);
 }
 
 void CommandLine::flag(const std::string& name, bool& target, const std::string& help) {
@@ -74,9 +78,6 @@ void CommandLine::option(const std::string& name,
                          std::string& target,
                          const std::string& help,
                          bool is_required) {
-  const auto not_empty = [](const std::string& text) {
-    return text.empty() ? std::string("an empty text is given") : std::string{};
-  };
   parser_->app.add_option(name, target, help)->required(is_required)->check(not_empty);
 }
 
@@ -84,13 +85,21 @@ void CommandLine::option_list(const std::string& name,
                               std::vector<std::string>& target,
                               const std::string& help,
                               bool is_required) {
-  parser_->app.add_option(name, target, help)->required(is_required);
+  parser_->app.add_option(name, target, help)->required(is_required)->check(not_empty);
 }
 
 void CommandLine::number(const std::string& name,
                          std::optional<double>& target,
                          const std::string& help) {
-  parser_->app.add_option(name, target, help)->check(CLI::PositiveNumber);
+  const auto read = [name, &target](const std::string& text) {
+    double value = 0.0;
+    const char* const end = text.data() + text.size();
+    const auto [rest, error] = std::from_chars(text.data(), end, value);
+    if (error != std::errc{} || rest != end || !std::isfinite(value) || value <= 0.0)
+      throw CLI::ValidationError(name, "'" + text + "' is no number above 0");
+    target = value;
+  };
+  parser_->app.add_option_function<std::string>(name, read, help)->type_name("FLOAT");
 }
 
 void CommandLine::duration(const std::string& name, double& seconds, const std::string& help) {

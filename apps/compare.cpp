@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <set>
 
 #include "apps/command_line.h"
 #include "apps/compare_cases.h"
@@ -13,6 +14,7 @@
 #include "apps/imported_runs.h"
 #include "apps/io/import.h"
 #include "apps/io/rheology_table_toml.h"
+#include "apps/io/safe_write.h"
 #include "apps/program.h"
 #include "apps/summary.h"
 
@@ -42,13 +44,20 @@ bool is_chute(const io::RunRecord& record) {
 Input read(const Arguments& arguments) {
   Input input;
   io::Units units;  // of the scenes: a table of a, b, tau_c in SI needs their sizes
+  std::set<std::string> seen;
   for (const std::string& path : arguments.runs) {
     input.runs.push_back(io::read_run(path));
     units = input.runs.back().units;
+    if (!seen.insert(io::digest(input.runs.back())).second)
+      throw io::InputError(path + ": the same run is given twice; it would be scored twice");
   }
   for (const std::string& path : arguments.tables) {
-    input.tables.push_back(
-        {fs::path(path).filename().string(), io::in_grain_units(io::read_table(path), units)});
+    if (!seen.insert(io::read_file(path)).second)
+      throw io::InputError(path + ": the same table is given twice");
+    const continuum::RheologyTable table = io::read_table(path);
+    if (!table.has_friction)
+      throw io::InputError(path + ": has phi only, and without friction nothing flows by it");
+    input.tables.push_back({fs::path(path).filename().string(), io::in_grain_units(table, units)});
   }
   return input;
 }
@@ -122,6 +131,14 @@ void take_notes(report::Report& report, const std::vector<std::string>& notes) {
   }
 }
 
+/// Only its history can be scored then.
+void note_unsteady(const dem::LocalData& data, report::Report& report) {
+  if (data.window.steady) return;
+  take_notes(
+      report,
+      {data.name + " is not steady, its steady profile is not scored: " + data.window.reason});
+}
+
 /// What a start from rest is held against, where frames were joined.
 void note_joined_frames(const io::RunRecord& run, report::RunComparison& compared) {
   if (run.reduced_from.empty() || compared.in_time.empty()) return;
@@ -139,6 +156,7 @@ void compare_chutes(const Input& input, report::Report& report) {
     const std::vector<dem::LocalData> fitted = fitted_runs(input.runs, table);
     for (const io::RunRecord& run : input.runs) {
       if (!is_chute(run)) continue;
+      note_unsteady(run.data, report);
       report::RunComparison compared = compare_run(run.data, table, fitted);
       note_joined_frames(run, compared);
       auto& scores = report.tables[t].scores;
@@ -235,7 +253,17 @@ void add_nonlocal(Summary& summary, const report::NonlocalAmplitude& nonlocal) {
       "nonlocal", "A, fitted to " + nonlocal.run, nonlocal.value, nonlocal.error, "");
 }
 
+/// What made a report.
+std::string command_of(const Arguments& arguments) {
+  std::string text = "grainlaw compare" + option_text("", arguments.runs) +
+                     option_text("--table", arguments.tables);
+  if (arguments.nonlocal) text += fmt::format(" --nonlocal {}", *arguments.nonlocal);
+  return arguments.fit_nonlocal ? text + " --fit-nonlocal" : text;
+}
+
 ExitCode compare(const Arguments& arguments, const CommonOptions& options) {
+  if (arguments.nonlocal && arguments.fit_nonlocal)
+    throw io::InputError("--nonlocal gives the amplitude A and --fit-nonlocal finds it: give one");
   const Input input = read(arguments);
   require_mu_phi(input);
   std::vector<io::RunRecord> imported;
@@ -254,7 +282,7 @@ ExitCode compare(const Arguments& arguments, const CommonOptions& options) {
   store_imported(imported, directory / "runs", arguments.runs);
   report::Report report;
   report.title = "DEM against continuum: " + input.tables.front().name;
-  report.command = "grainlaw compare";
+  report.command = command_of(arguments);
   report.machine = machine();
   report.table = input.tables.front().table;
   for (const ComparedTable& t : input.tables) report.tables.push_back({t.name, t.table, {}});

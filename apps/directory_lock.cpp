@@ -11,10 +11,40 @@
 #include "apps/io/input_file.h"
 
 namespace grainlaw {
+namespace {
 
-DirectoryLock::DirectoryLock(const std::filesystem::path& directory) {
+namespace fs = std::filesystem;
+
+bool taken(const fs::path& path) {
+  std::error_code ignored;
+  return fs::exists(fs::symlink_status(path, ignored));
+}
+
+/// The folders on the way to a folder that are not there yet, the innermost first. Throws
+/// io::FileError where something else has the name of one.
+std::vector<fs::path> missing_folders(const fs::path& directory) {
+  std::vector<fs::path> missing;
+  fs::path path = directory.lexically_normal();
+  if (!path.has_filename()) path = path.parent_path();  // "folder/"
+  for (; !path.empty(); path = path.parent_path()) {
+    std::error_code ignored;
+    if (fs::is_directory(path, ignored)) return missing;
+    if (taken(path)) {
+      throw io::FileError(fmt::format("cannot create folder {}: {} is there and is no folder",
+                                      directory.string(),
+                                      path.string()));
+    }
+    missing.push_back(path);
+  }
+  return missing;
+}
+
+}  // namespace
+
+DirectoryLock::DirectoryLock(const fs::path& directory)
+    : directory_(directory), made_(missing_folders(directory)) {
   std::error_code error;
-  std::filesystem::create_directories(directory, error);
+  fs::create_directories(directory, error);
   if (error) {
     throw io::FileError(
         fmt::format("cannot create folder {}: {}", directory.string(), error.message()));
@@ -34,7 +64,25 @@ DirectoryLock::DirectoryLock(const std::filesystem::path& directory) {
 }
 
 DirectoryLock::~DirectoryLock() {
-  close(descriptor_);
-}  // the kernel drops the lock, also on kill
+  remove_if_unused();
+  close(descriptor_);  // the kernel drops the lock, also on kill
+}
+
+/// A folder is only removed where nothing is in it.
+void DirectoryLock::remove_if_unused() const {
+  if (made_.empty()) return;
+  std::error_code ignored;
+  const fs::path lock = directory_ / ".lock";
+  bool unused = true;
+  for (const auto& entry : fs::directory_iterator(directory_, ignored)) {
+    const bool empty_folder = entry.is_directory(ignored) && fs::is_empty(entry.path(), ignored);
+    unused = unused && (entry.path() == lock || empty_folder);
+  }
+  if (!unused) return;
+  for (const auto& entry : fs::directory_iterator(directory_, ignored))
+    fs::remove(entry.path(), ignored);
+  for (const fs::path& folder : made_)
+    if (!fs::remove(folder, ignored)) return;
+}
 
 }  // namespace grainlaw

@@ -8,7 +8,7 @@ namespace grainlaw {
 enum class ExitCode : int {
   answered = 0,   ///< the asked answer exists
   bad_input = 1,  ///< input or usage
-  no_answer = 2,  ///< no steady state, not converged, or a step refused; the reason is printed
+  no_answer = 2,  ///< no steady state, not converged, a step or budget refused; the reason is said
   resource = 3,   ///< disk or memory
   stopped = 4,    ///< by signal or --max-wall; checkpoint and what was measured are written
 };

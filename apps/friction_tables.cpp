@@ -123,6 +123,8 @@ ExitCode fit_over_contact_friction(const FrictionTables& arguments, const Common
   add_lines(summary, result);
   if (!options.check) {
     const fs::path directory = arguments.output;
+    if (result.interpolated)
+      refuse_overwriting_input((directory / "table.toml").string(), arguments.tables);
     const DirectoryLock lock(directory);
     if (result.interpolated) {
       io::write_table(*result.interpolated, directory / "table.toml");

@@ -64,16 +64,36 @@ void say_pressure_scales(Summary& summary, const FlowOfGrains& flow) {
   summary.add("bond_number_middle", "Bo at half depth", unit / middle_row(flow.profile).pressure);
 }
 
+/// What the comparison with rigid grains means for who asked.
+std::string rigid_text(const FlowOfGrains& flow, const std::optional<double>& rigid, bool enough) {
+  if (enough)
+    return fmt::format("rigid grains have this {} within {:g} %: k_n hardly matters here",
+                       flow.response,
+                       100.0 * tolerated);
+  const std::string they =
+      rigid ? fmt::format("have another {} by more than {:g} %", flow.response, 100.0 * tolerated)
+            : std::string("would not flow");
+  return fmt::format(
+      "rigid grains {}: k_n matters here, and neither rigid nor much softer grains may stand for "
+      "these",
+      they);
+}
+
+bool knows_cohesion(const continuum::RheologyTable& table) {
+  if (const auto* law = std::get_if<continuum::GeneralisedBagnold>(&table.law))
+    return law->tau_c > 0.0;
+  const auto& law = std::get<continuum::MuPhi>(table.law);
+  return law.cohesion_friction || law.cohesion_stress || !table.has_friction;
+}
+
 void say_rigid(Summary& summary, const FlowOfGrains& flow, const io::Units& units) {
   continuum::GrainProperties rigid = flow.grains;
   rigid.stiffness.reset();
   const auto value = flow.with(rigid);
   const bool enough = value && std::abs(*value / flow.value - 1.0) < tolerated;
-  summary.add("stiff_enough", "stiff enough (1 %)", enough);
-  if (!value) {
-    summary.add("rigid_text", "  rigid grains", std::string("would not flow"));
-    return;
-  }
+  summary.add("stiff_enough", "stiff enough to be rigid", enough);
+  summary.add("rigid_text", "  in words", rigid_text(flow, value, enough));
+  if (!value) return;
   summary.add("rigid_response",
               "  rigid grains' " + flow.response,
               *value * units.size(flow.dimension),
@@ -117,6 +137,20 @@ void say_dem(Summary& summary, const FlowOfGrains& flow, bool softens, const io:
 }
 
 }  // namespace
+
+std::optional<std::string> unknown_cohesion(const continuum::RheologyTable& table,
+                                            bool grains_attract) {
+  if (!grains_attract || knows_cohesion(table)) return std::nullopt;
+  return "the friction law of this table knows no cohesion: the attraction of these grains holds "
+         "nothing in this prediction; it takes a table of cohesive grains";
+}
+
+void say_unknown_cohesion(Summary& summary,
+                          const continuum::RheologyTable& table,
+                          bool grains_attract) {
+  if (const auto text = unknown_cohesion(table, grains_attract))
+    summary.add("cohesion_text", "cohesion", *text);
+}
 
 void say_grain_scales(Summary& summary,
                       const FlowOfGrains& flow,

@@ -23,6 +23,13 @@ struct FlowOfGrains {
   std::function<std::optional<double>(const continuum::GrainProperties&)> with;
 };
 
+/// Where grains attract each other and the friction of the table has no term for that: a sentence.
+std::optional<std::string> unknown_cohesion(const continuum::RheologyTable& table,
+                                            bool grains_attract);
+void say_unknown_cohesion(Summary& summary,
+                          const continuum::RheologyTable& table,
+                          bool grains_attract);
+
 /// p* and Bo of the flow, how much rigid grains would differ, and which stiffness and time step a
 /// DEM of these grains needs; nothing that the case does not give.
 void say_grain_scales(Summary& summary,

@@ -134,6 +134,8 @@ Summary check(const io::CaseFile& file, const continuum::RheologyTable& table) {
     left_out.emplace_back("effective no-slip height: the table has none, u = 0 at z = 0");
   if (!file.chute.grains.stiffness) left_out.emplace_back("softness: rigid grains");
   if (!file.chute.grains.adhesion) left_out.emplace_back("cohesion: no adhesion given");
+  if (const auto text = unknown_cohesion(table, file.chute.grains.adhesion.has_value()))
+    left_out.push_back("cohesion: " + *text);
   if (!file.chute.walls) left_out.emplace_back("side walls: none given");
   if (file.chute.slip_length == 0.0) left_out.emplace_back("slip at the base: none given");
   summary.add("case", "case", file.name);
@@ -195,9 +197,11 @@ void describe_grains(Summary& summary,
 
 void say_trust(Summary& summary,
                const continuum::Answer& answer,
-               const continuum::RheologyTable& table) {
+               const continuum::RheologyTable& table,
+               const continuum::GrainProperties& grains) {
   summary.heading("How far to trust it");
   summary.add("trust", "trust", trust(answer, table));
+  say_unknown_cohesion(summary, table, grains.adhesion.has_value());
 }
 
 /// A flow in time: the answer, the profiles and the trust are those of the time integration.
@@ -208,7 +212,7 @@ ExitCode predict_in_time(const Arguments& arguments,
                          const CommonOptions& options) {
   const auto transient = continuum::transient_chute(table, file.chute, file.transient);
   describe_transient(summary, transient, file.units);
-  say_trust(summary, transient.answer, table);
+  say_trust(summary, transient.answer, table, file.chute.grains);
   if (arguments.certificate)
     say_certificate(summary, table, transient.final_profile, file.chute.grains);
   if (!arguments.output.empty() && !transient.final_profile.rows.empty()) {
@@ -249,7 +253,7 @@ ExitCode predict_steady(const Arguments& arguments,
                                                           : "left out: answer = \"largest_flow\""));
   }
   describe_grains(summary, table, steady.profile, file);
-  say_trust(summary, steady.answer, table);
+  say_trust(summary, steady.answer, table, file.chute.grains);
   if (arguments.certificate) say_certificate(summary, table, steady.profile, file.chute.grains);
   if (!arguments.output.empty() && !steady.profile.rows.empty()) {
     write_profile(steady.profile, steady.answer, file.units, arguments.output);
@@ -261,10 +265,21 @@ ExitCode predict_steady(const Arguments& arguments,
   return ExitCode::answered;
 }
 
+/// Before anything is computed: nothing that is read here, or was by others, is written over.
+void refuse_overwriting(const Arguments& arguments, const io::CaseFile& file) {
+  if (arguments.output.empty()) return;
+  std::vector<std::string> outputs = {arguments.output};
+  for (const double time : file.transient.output_times)
+    outputs.push_back(snapshot_path(arguments.output, time * file.units.time).string());
+  for (const std::string& output : outputs) {
+    refuse_overwriting_input(output, {arguments.question, arguments.table});
+    refuse_overwriting_run(output);
+  }
+}
+
 ExitCode predict(const Arguments& arguments, const CommonOptions& options) {
-  refuse_overwriting_input(arguments.output, {arguments.question, arguments.table});
-  refuse_overwriting_run(arguments.output);
   io::CaseFile file = io::read_case(arguments.question);
+  refuse_overwriting(arguments, file);
   const continuum::RheologyTable table =
       io::in_grain_units(io::read_table(arguments.table), file.units);
   if (!file.simple_shear) continuum::validate(table);  // no flow follows from phi alone

@@ -79,6 +79,8 @@ Summary check(const io::CaseFile& file, const continuum::RheologyTable& table) {
   if (const auto* grains = grains_of(file)) {
     leave_out(!grains->stiffness, "softness: rigid grains");
     leave_out(!grains->adhesion, "cohesion: no adhesion given");
+    const auto text = unknown_cohesion(table, grains->adhesion.has_value());
+    if (text) left_out.push_back("cohesion: " + *text);
   }
   leave_out(!table.covariance, "error band: the table states no errors");
   leave_out(!table.has_friction, "friction: the table has phi only");
@@ -207,6 +209,7 @@ ExitCode predict_band(const io::CaseFile& file,
   }
   summary.heading("How far to trust it");
   summary.add("trust", "trust", trust(band.answer, table));
+  say_unknown_cohesion(summary, table, file.band->grains.adhesion.has_value());
   if (certificate && nonlocal(*file.band))
     summary.add("certificate_text",
                 "  in words",
@@ -256,6 +259,7 @@ ExitCode predict_split_bottom(const io::CaseFile& file,
   lines.add("surface_width", "W at the surface", cell.surface_width, is::length);
   if (!cell.rows.empty()) say_spread(lines, cell);
   summary.add("trust", "trust", trust(cell.answer, table, false));
+  say_unknown_cohesion(summary, table, file.split_bottom->grains.adhesion.has_value());
   if (!output.empty() && !cell.rows.empty())
     write(output,
           as_json(output) ? io::split_bottom_json(cell, file.units)
@@ -359,6 +363,8 @@ ExitCode predict_simple_shear(const io::CaseFile& file,
                           outside,
                           states.size(),
                           checks_text(table)));
+  say_unknown_cohesion(
+      summary, table, std::ranges::any_of(shear.bond_numbers, [](double Bo) { return Bo > 0.0; }));
   if (!output.empty())
     write(output,
           as_json(output) ? io::homogeneous_json(states) : io::homogeneous_csv(states),

@@ -100,6 +100,10 @@ void refuse_overwriting_run(const std::string& output) {
     throw io::InputError(
         fmt::format("{}: is an HDF5 file and would be overwritten; choose another -o", output));
   }
+  if (file.is_open() && std::filesystem::path(output).extension() == ".toml") {
+    throw io::InputError(fmt::format(
+        "{}: is a TOML file, as inputs are, and would be overwritten; choose another -o", output));
+  }
 }
 
 void require_writable(const std::string& path) {
@@ -110,6 +114,22 @@ void require_writable(const std::string& path) {
   if (std::filesystem::is_directory(path)) {
     throw io::FileError(fmt::format("cannot write {}: it is a folder", path));
   }
+}
+
+std::string shell_word(const std::string& text) {
+  constexpr std::string_view harmless =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+./,:=@%";
+  if (!text.empty() && text.find_first_not_of(harmless) == std::string::npos) return text;
+  std::string word = "'";
+  for (const char c : text) word += c == '\'' ? "'\\''" : std::string(1, c);
+  return word + "'";
+}
+
+std::string option_text(const std::string& name, const std::vector<std::string>& words) {
+  if (words.empty()) return {};
+  std::string text = name.empty() ? name : ' ' + name;
+  for (const std::string& word : words) text.append(1, ' ').append(shell_word(word));
+  return text;
 }
 
 std::string machine() {

@@ -33,11 +33,19 @@ const char* stop_reason();
 /// Throws io::InputError when an output path names one of the inputs.
 void refuse_overwriting_input(const std::string& output, const std::vector<std::string>& inputs);
 
-/// Throws io::InputError when a text is to be written over an HDF5 file, hours of DEM.
+/// Throws io::InputError when a text is to be written over an HDF5 file, hours of DEM, or over a
+/// TOML file, which somebody wrote by hand or fitted.
 void refuse_overwriting_run(const std::string& output);
 
 /// Throws io::FileError when no file can be written at this path.
 void require_writable(const std::string& path);
+
+/// A word that a shell takes as it is, in quotes where it must be.
+std::string shell_word(const std::string& text);
+
+/// An option and the words that follow it, or the words alone, with a blank before each; nothing
+/// where there are no words.
+std::string option_text(const std::string& name, const std::vector<std::string>& words);
 
 /// Processor and number of cores, for statements about run time.
 std::string machine();

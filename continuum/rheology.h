@@ -10,6 +10,12 @@
 
 namespace grainlaw::continuum {
 
+// Beyond these a law is not that of grains in dense flow, and rates and depths are no numbers that
+// mean anything: fits and papers have slopes near 1, exponents of 0.4 to 2 and phi above 0.5.
+inline constexpr double steepest_friction = 1e6;         ///< largest beta
+inline constexpr double least_exponent = 0.05;           ///< of I in mu(I)
+inline constexpr double loosest_volume_fraction = 0.05;  ///< least phi
+
 /// Grains as the continuum sees them; one consistent set of units.
 struct GrainProperties {
   double diameter = 1.0;              ///< d [length]

@@ -74,7 +74,7 @@ auto& find_coefficient(Table& table, const std::string& name) {
   throw TableError(fmt::format("'{}' is no coefficient of this table; it has{}", name, known));
 }
 
-void require(bool holds, const char* name, double value, const char* bound) {
+void require(bool holds, const char* name, double value, const std::string& bound) {
   if (!holds) throw TableError(fmt::format("{} = {} must be {}", name, value, bound));
 }
 
@@ -87,7 +87,10 @@ void require_positive(const char* name, double value) {
 }
 
 void require_volume_fraction(const char* name, double value) {
-  require(value > 0.0 && value < 1.0, name, value, "between 0 and 1");
+  require(value >= loosest_volume_fraction && value < 1.0,
+          name,
+          value,
+          fmt::format("at least {}, and below 1", loosest_volume_fraction));
 }
 
 void validate_law(const GeneralisedBagnold& law) {
@@ -109,8 +112,18 @@ void validate_friction(const InertialFriction& law) {
   if (law.tabulated) return;  // rises, or it would not exist
   require_not_negative("mu0", law.mu0);
   require_not_negative("beta", law.beta);  // negative: mu falls with I and the flow is ill-posed
+  require(law.beta <= steepest_friction,
+          "beta",
+          law.beta,
+          fmt::format("at most {:g}, the slope of mu(I) at rest, (mu_inf - mu0)/I_mu; grains "
+                      "have one near 1",
+                      steepest_friction));
   require_not_negative("kappa", law.kappa);
-  if (law.exponent) require_positive("exponent", *law.exponent);
+  if (law.exponent)
+    require(std::isfinite(*law.exponent) && *law.exponent >= least_exponent,
+            "exponent",
+            *law.exponent,
+            fmt::format("finite and at least {}", least_exponent));
   if (law.mu0 == 0.0 && law.beta == 0.0)
     throw TableError("mu0 = 0 and beta = 0: a fluid without stress; give mu0 > 0 or beta > 0");
 }

@@ -167,11 +167,22 @@ FoundChute Search::mass_of_flow() const {
     return excess(layer, layer.mass_flow, *question_.mass_flow);
   };
   const Grown grown = grow(tilt, off);
-  if (!grown.found) flow_not_reached(grown.end, "side walls hold all that lies deeper at rest");
+  if (!grown.found)
+    flow_not_reached(
+        grown.end,
+        base_rests(grown.end)
+            ? "side walls hold all that lies deeper at rest"
+            : fmt::format("that of a layer {:g} d deep, and no deeper one is tried", deepest));
   const Bracket end = root([&](double m) { return off(at(tilt, m)); },
                            {.low = grown.too_small, .high = grown.end.chute.mass_per_area});
   FoundChute layer = at(tilt, end.nearest());
-  if (!(std::abs(off(layer)) < 1e-9)) flow_not_reached(layer, ends_there(at(tilt, end.high)));
+  if (!(std::abs(off(layer)) < 1e-9))
+    flow_not_reached(layer,
+                     end.low > least_mass_
+                         ? ends_there(at(tilt, end.high))
+                         : fmt::format("that of a layer of {:g} rho_p d above the base, and no "
+                                       "thinner one is tried",
+                                       thinnest));
   return layer;
 }
 

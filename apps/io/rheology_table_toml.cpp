@@ -13,7 +13,10 @@ namespace {
 
 using namespace continuum;
 
-constexpr Bounds volume_fraction_bounds = between(0.0, 1.0);
+constexpr Bounds volume_fraction_bounds = {
+    .lower = loosest_volume_fraction, .upper = 1.0, .lower_allowed = true};
+constexpr Bounds slope_bounds = from_to(0.0, steepest_friction);
+constexpr Bounds exponent_bounds = {.lower = least_exponent, .lower_allowed = true};
 
 GeneralisedBagnold read_bagnold(Section& section) {
   GeneralisedBagnold law;
@@ -37,7 +40,7 @@ GeneralisedBagnold read_bagnold(Section& section) {
 
 /// Power law or not; the rest of mu(I) does not change.
 std::optional<double> read_exponent(Section& section) {
-  const Key key{"exponent", "n of x = I^n, in place of I in mu(I)", {}, positive};
+  const Key key{"exponent", "n of x = I^n, in place of I in mu(I)", {}, exponent_bounds};
   return section.find<double>(key, "1");
 }
 
@@ -48,7 +51,7 @@ InertialFriction read_friction(InputFile& in) {
   InertialFriction law;
   law.exponent = read_exponent(section);
   law.mu0 = section.read<double>({"mu0", "static friction", {}, not_negative});
-  const auto beta = section.find<double>({"beta", "slope at I = 0", {}, not_negative});
+  const auto beta = section.find<double>({"beta", "slope at I = 0", {}, slope_bounds});
   const auto mu_inf = section.find<double>({"mu_inf", "friction at large I", {}, not_negative});
   section.exactly_one_of({"beta", "mu_inf"});
   const auto kappa =

@@ -31,6 +31,30 @@ std::string product(Dimension d, const std::array<std::string, 3>& symbols) {
   return fmt::format("{}/({})", numerator, joined(below, " "));
 }
 
+/// What people call a unit, where that is not the product of powers.
+struct UsualName {
+  const char* set;
+  Dimension dimension;
+  const char* symbol;
+};
+constexpr auto usual_names = std::to_array<UsualName>({
+    {"grain", dimension::velocity, "sqrt(g d)"},
+    {"grain", dimension::time, "sqrt(d/g)"},
+    {"grain", dimension::rate, "sqrt(g/d)"},
+    {"grain", dimension::flux, "d sqrt(g d)"},
+    {"grain", dimension::mass_flow, "m sqrt(g/d)/d"},
+    {"grain", dimension::stiffness, "m g/d"},
+    {"grain", dimension::stress, "m g/d^2"},
+    {"grain", dimension::force, "m g"},
+    {"grain", dimension::energy, "m g d"},
+    {"stiffness", dimension::stress, "k_n/d"},
+    {"stiffness", dimension::stiffness, "k_n"},
+    {"si", dimension::stress, "Pa"},
+    {"si", dimension::stiffness, "N/m"},
+    {"si", dimension::force, "N"},
+    {"si", dimension::energy, "N m"},
+});
+
 /// One line of the table of what a named set fixes.
 struct FixedKey {
   const char* set;
@@ -132,15 +156,10 @@ Unit Units::operator[](Dimension d) const {
 }
 
 std::string Units::symbol(Dimension d) const {
-  if (name == "si") return product(d, {"kg", "m", "s"});
-  if (name == "grain") {
-    if (d == dimension::velocity) return "sqrt(g d)";
-    if (d == dimension::time) return "sqrt(d/g)";
-    if (d == dimension::rate) return "sqrt(g/d)";
-    if (d == dimension::flux) return "d sqrt(g d)";
-    if (d == dimension::mass_flow) return "m sqrt(g/d)/d";
-    if (d == dimension::stiffness) return "m g/d";
+  for (const UsualName& usual : usual_names) {
+    if (name == usual.set && d == usual.dimension) return usual.symbol;
   }
+  if (name == "si") return product(d, {"kg", "m", "s"});
   return product(d, {"m", "d", "t"});
 }
 

@@ -138,7 +138,7 @@ struct LifetimeCurve {
 struct StageCost {
   std::string stage;
   double wall_seconds = 0.0;
-  double cpu_seconds = 0.0;
+  double cpu_seconds = 0.0;  ///< 0: not measured, as of runs read from files
 };
 
 /// What every report says of its making.

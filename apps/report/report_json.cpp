@@ -250,9 +250,8 @@ json to_json(const TimeErrorPoint& point) {
 }
 
 json to_json(const StageCost& cost) {
-  return {{"stage", cost.stage},
-          {"wall_seconds", cost.wall_seconds},
-          {"cpu_seconds", cost.cpu_seconds}};
+  const json cpu = cost.cpu_seconds > 0.0 ? json(cost.cpu_seconds) : json();
+  return {{"stage", cost.stage}, {"wall_seconds", cost.wall_seconds}, {"cpu_seconds", cpu}};
 }
 
 json to_json(const Coefficient& coefficient) {

@@ -5,6 +5,8 @@
 #include <cstring>
 #include <fstream>
 #include <iterator>
+#include <set>
+#include <string>
 
 #include "apps/io/safe_write.h"
 #include "apps/report/gnuplot.h"
@@ -70,8 +72,36 @@ void draw(const Figure& figure, const fs::path& directory, Pictures& pictures) {
   }
 }
 
+/// The files of a folder of pictures, as they are listed in it for the next report.
+std::set<std::string> files_of(const std::vector<const FigureGroup*>& groups) {
+  std::set<std::string> names;
+  for (const FigureGroup* group : groups) {
+    for (const auto& [name, csv] : group->data) names.insert(name);
+    for (const Figure& figure : group->figures) {
+      names.insert(figure.name + ".gp");
+      names.insert(figure.name + ".svg");
+    }
+  }
+  return names;
+}
+
+/// Removes what an earlier report wrote here and this one does not; nothing that is not listed.
+void replace_earlier(const fs::path& directory, const std::set<std::string>& names) {
+  const fs::path list = directory / ".written";
+  std::ifstream earlier(list);
+  for (std::string name; std::getline(earlier, name);) {
+    if (names.contains(name) || name.empty() || fs::path(name).filename() != name) continue;
+    std::error_code ignored;
+    if (fs::is_regular_file(directory / name, ignored)) fs::remove(directory / name, ignored);
+  }
+  std::string text;
+  for (const std::string& name : names) text += name + '\n';
+  io::safe_write(list, text);
+}
+
 Pictures draw_all(const std::vector<const FigureGroup*>& groups, const fs::path& directory) {
   make_directory(directory);
+  replace_earlier(directory, files_of(groups));
   Pictures pictures;
   for (const FigureGroup* group : groups) {
     for (const auto& [name, csv] : group->data) write_plot_file(directory / name, csv.text());

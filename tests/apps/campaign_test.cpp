@@ -218,7 +218,7 @@ TEST_F(Campaigns, AListRunsWhereverAndIsGatheredToTheSameTable) {
                             path(folder) + "\"");
   ASSERT_EQ(list.code, 0) << list.text;
   EXPECT_EQ(std::count(list.text.begin(), list.text.end(), '\n'), 4) << list.text;
-  EXPECT_TRUE(list.text.starts_with("grainlaw dem '")) << list.text;
+  EXPECT_TRUE(list.text.starts_with("grainlaw dem '")) << list.text;  // a name to be quoted
   EXPECT_TRUE(there(folder + "/runs/I0.22_p0.01_Bo0.toml"));
   EXPECT_FALSE(there(folder + "/runs/I0.22_p0.01_Bo0.h5"));
   std::ofstream(path("list")) << list.text;
@@ -252,8 +252,58 @@ TEST_F(Campaigns, ABudgetSpreadsItsFirstRunsAndThenGoesOnWhereTheyLeaveMostUnkno
 TEST_F(Campaigns, ABudgetTooSmallForThreeRunsNamesOneThatIsNot) {
   write_campaign("", "3000.0");  // three shortest runs of 188 strains each
   const Output budget = calibrate("out", "--budget 4s");
-  EXPECT_EQ(budget.code, 1) << budget.text;
+  EXPECT_EQ(budget.code, 2) << budget.text;
   EXPECT_TRUE(budget.says("too small") && budget.says("give at least")) << budget.text;
+  EXPECT_FALSE(there("out"));
+  const Output check = calibrate("out", "--budget 4s --check");
+  EXPECT_EQ(check.code, 2) << check.text;
+  EXPECT_TRUE(check.says("too small")) << check.text;
+}
+
+TEST_F(Campaigns, AReferenceIsNotWrittenOver) {
+  const std::string published = std::string(GRAINLAW_DATA) + "/tables/shi2020_mu_p_0.50.toml";
+  fs::create_directories(path("out"));
+  fs::copy_file(published, path("out/table.toml"));
+  const Output refused = calibrate("out", "--reference " + path("out/table.toml"));
+  EXPECT_EQ(refused.code, 1);
+  EXPECT_TRUE(refused.says("overwritten")) << refused.text;
+  EXPECT_EQ(read(path("out/table.toml")), read(published));
+}
+
+TEST_F(Campaigns, OptionsOfACampaignDoNotGoWithTables) {
+  const std::string published = std::string(GRAINLAW_DATA) + "/tables/shi2020_mu_p_0.50.toml";
+  for (const char* option : {"--list", "--budget 9s", "--max-wall 9s"}) {
+    const Output refused = shell(bin + "/grainlaw calibrate " + option + " --tables " + published);
+    EXPECT_EQ(refused.code, 1);
+    EXPECT_TRUE(refused.says("not with --tables")) << refused.text;
+  }
+}
+
+TEST_F(Campaigns, ABudgetNeedsConditionsToChooseFrom) {
+  std::ofstream(path("campaign.toml"))
+      << "[[shear_boxes]]\nscene = \"box.toml\"\ninertial_number = [0.1, 0.2]\nstrain = 3\n";
+  for (const char* how : {"", " --check"}) {
+    const Output budget = calibrate("out", "--budget 10s" + std::string(how));
+    EXPECT_EQ(budget.code, 2) << budget.text;
+    EXPECT_TRUE(budget.says("at least 3 conditions")) << budget.text;
+  }
+}
+
+TEST_F(Campaigns, ACheckTellsTheFirstRunsOfABudget) {
+  const auto told = calibrate("out", "--budget 1h --check").json();
+  EXPECT_EQ(told["candidates"].size(), 4U);
+  EXPECT_EQ(told["first_runs"].size(), 3U);
+  EXPECT_FALSE(there("out"));
+}
+
+TEST_F(Campaigns, ACheckTellsWhatGivenRunsAreGoodFor) {
+  ASSERT_EQ(calibrate("out").code, 0);
+  fs::remove(path("out/runs/I0.14_p0.01_Bo0.h5"));
+  const auto told = calibrate("again", "--check --from " + path("out/runs")).json();
+  EXPECT_EQ(told["fitted"].size() + told["left_out"].size(), 3U);
+  EXPECT_EQ(told["missing"], nlohmann::json({"I0.14_p0.01_Bo0"}));
+  EXPECT_FALSE(there("again"));
+  EXPECT_EQ(calibrate("again", "--check --from " + path("nothing.h5")).code, 1);
 }
 
 TEST_F(Campaigns, RunsOfOtherGrainsOrStatesAreRefused) {

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <string>
 
 #include "tests/support/shell.h"
@@ -93,6 +94,60 @@ TEST_F(CompareFlows, ALawOfOneTiltIsRefusedForOtherFlows) {
                                  "brewster2008_example.toml -o " + file("refused", ""));
   EXPECT_EQ(answer.code, 1);
   EXPECT_NE(answer.text.find("mu(I)"), std::string::npos) << answer.text;
+}
+
+TEST_F(CompareFlows, WhatIsGivenTwiceOrContradictsItselfIsRefused) {
+  const std::string table = tables + "shi2020_mu_p_0.50.toml";
+  fs::copy_file(file("box"), file("copy"), fs::copy_options::overwrite_existing);
+  const std::pair<std::string, const char*> cases[] = {
+      {file("box") + " " + file("copy") + " -t " + table, "the same run is given twice"},
+      {file("box") + " -t " + table + " " + table, "the same table is given twice"},
+      {file("box") + " -t " + tables + "shi2020_phi_mu_p_0.30.toml", "0.30.toml: has phi only"},
+      {file("box") + " -t ''", "an empty text is given"},
+      {"'' -t " + table, "an empty text is given"},
+      {file("walls") + " -t " + table + " --nonlocal 0.5 --fit-nonlocal", "give one"},
+      {file("walls") + " -t " + table + " --nonlocal -1", "'-1' is no number above 0"},
+      {file("walls") + " -t " + table + " --nonlocal nan", "'nan' is no number above 0"},
+      {file("walls") + " -t " + table + " --nonlocal inf", "'inf' is no number above 0"},
+      {file("walls") + " -t " + table + " --nonlocal 1x", "'1x' is no number above 0"},
+  };
+  for (const auto& [arguments, why] : cases) {
+    const Output answer = grainlaw("compare " + arguments + " -o " + file("twice", ""));
+    EXPECT_EQ(answer.code, 1) << arguments;
+    EXPECT_NE(answer.text.find(why), std::string::npos) << answer.text;
+    EXPECT_LT(answer.text.size(), 300U) << answer.text;
+    EXPECT_FALSE(fs::exists(file("twice", "")));
+  }
+}
+
+TEST_F(CompareFlows, ARunThatIsNotSteadyIsWarnedOfEvenQuietly) {
+  run("short",
+      "units = \"grain\"\n[contact.normal]\nlaw = \"hooke\"\nstiffness = 2e4\n"
+      "restitution = 0.88\n[contact.friction]\nlaw = \"sliding\"\ncoefficient = 0.5\n"
+      "[geometry]\nkind = \"chute\"\ninclination = 26\nlength = 5\nwidth = 4\ndepth = 5\n"
+      "[measurement]\naveraging_time = 10\ntime_limit = 12\n");
+  const Output answer = grainlaw("compare " + file("short") + " -t " + tables +
+                                 "shi2020_mu_p_0.50.toml --quiet -o " + file("unsteady", ""));
+  EXPECT_EQ(answer.code, 0) << answer.text;
+  EXPECT_NE(answer.text.find("warning: short is not steady"), std::string::npos) << answer.text;
+}
+
+TEST_F(CompareFlows, ALaterReportRemovesThePicturesOfAnEarlierOneAndNothingElse) {
+  const auto compare = [&](const char* name) {
+    const Output answer = grainlaw("compare " + file(name) + " -t " + tables +
+                                   "shi2020_mu_p_0.50.toml --quiet -o " + file("reused", ""));
+    EXPECT_EQ(answer.code, 0) << answer.text;
+    std::set<std::string> names;
+    for (const auto& entry : fs::directory_iterator(folder / "reused" / "plots"))
+      names.insert(entry.path().filename().string());
+    return names;
+  };
+  compare("walls");
+  std::ofstream(folder / "reused" / "plots" / "mine.svg") << "drawn by hand";
+  auto reused = compare("box");
+  EXPECT_EQ(reused.erase("mine.svg"), 1U);
+  fs::remove_all(folder / "reused");
+  EXPECT_EQ(reused, compare("box"));
 }
 
 TEST_F(CompareFlows, AnAmplitudeNeedsABand) {

@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -42,6 +43,10 @@ TEST_F(ImportedRuns, OfLammpsAreFittedPredictedAndStored) {
   for (const char* file : {"table.toml", "report.html", "runs/lammps-25.h5"}) {
     EXPECT_TRUE(fs::exists(folder_ / file)) << file;
   }
+  std::ifstream file(folder_ / "report.json");
+  const auto report = nlohmann::json::parse(file);
+  EXPECT_NE(report["command"].get<std::string>().find(" --from " + data_), std::string::npos);
+  for (const auto& cost : report["costs"]) EXPECT_TRUE(cost["cpu_seconds"].is_null()) << cost;
   const auto again = run_grainlaw("compare " + (folder_ / "runs/lammps-25.h5").string() + " -t " +
                                   (folder_ / "table.toml").string() + " --json -o " +
                                   (folder_ / "comparison").string());

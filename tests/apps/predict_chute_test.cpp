@@ -209,6 +209,69 @@ TEST_F(PredictChute, SoftestStiffnessMovesTheSurfaceByOnePercent) {
   EXPECT_NEAR(change, 0.01, 1e-4);  // k_n is found to 1e-4 of at most 32 in its logarithm
 }
 
+TEST_F(PredictChute, WhetherGrainsAreAsGoodAsRigidIsToldWithWhatFollows) {
+  const auto words = [&](const char* stiffness) {
+    const Output output = predict(
+        write(std::string("units = \"grain\"\nanswer = \"steady\"\n[grains]\nstiffness = ") +
+              stiffness + "\n[chute]\ninclination = 23\nmass_per_area = 30\n") +
+        " --json --table " + frictional);
+    return nlohmann::json::parse(output.text)["rigid_text"].get<std::string>();
+  };
+  EXPECT_EQ(words("1e10"),
+            "rigid grains have this surface velocity within 1 %: k_n hardly matters here");
+  EXPECT_EQ(words("2e4"),
+            "rigid grains have another surface velocity by more than 1 %: k_n matters here, and "
+            "neither rigid nor much softer grains may stand for these");
+}
+
+/// A coefficient of the published table replaced by one that no grains have.
+class ImpossibleCoefficient
+    : public PredictChute,
+      public ::testing::WithParamInterface<std::pair<const char*, const char*>> {};
+
+TEST_P(ImpossibleCoefficient, IsRefusedAtItsPlaceForEveryQuestion) {
+  const auto& [edit, place] = GetParam();
+  const std::string table = (folder / "table.toml").string();
+  ASSERT_EQ(run("sed '" + std::string(edit) + "' " + frictional + " > " + table).code, 0);
+  for (const char* question : {"chute", "plane_shear", "depth_for_flow", "simple_shear"}) {
+    const Output output = predict(data + "/cases/" + question + ".toml -t " + table);
+    EXPECT_EQ(output.code, 1) << question;
+    EXPECT_NE(output.text.find(place), std::string::npos) << output.text;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Tables,
+    ImpossibleCoefficient,
+    ::testing::Values(std::pair("s/^mu_inf.*/beta = 1e300/; /^I_mu/d", "error: beta = 1e+300"),
+                      std::pair("s/^I_mu.*/I_mu = 1e-300/",
+                                "the slope of mu(I) at rest, (mu_inf - mu0)/I_mu"),
+                      std::pair("s/^mu_inf/exponent = 1e-3\\nmu_inf/", "error: exponent = 0.001"),
+                      std::pair("s/^phi0.*/phi0 = 1e-300/", "error: phi0 = 1e-300")));
+
+TEST_F(PredictChute, CohesiveGrainsOnALawWithoutCohesionAreToldSo) {
+  const std::string dry = (folder / "dry.toml").string();
+  ASSERT_EQ(run("sed '/^.law.cohesion/,/^$/d' " + frictional + " > " + dry).code, 0);
+  const std::string bagnold = data + "/tables/brewster2008_example.toml";
+  const std::string cell = write(
+      "units = \"grain\"\n[grains]\nadhesion = 1\n[geometry]\nkind = \"split_bottom\"\n"
+      "split_radius = 40\ndepth = 10\nrotation_rate = 0.01\n");
+  const std::string walls = data + "/cases/cohesive_walls.toml";
+  const auto told = [](const std::string& question, const std::string& table) {
+    const Output output = predict(question + " -t " + table + " --json");
+    EXPECT_EQ(output.code, 0) << output.text;
+    const auto json = nlohmann::json::parse(output.text);
+    return json.contains("cohesion_text") &&
+           json["cohesion_text"].get<std::string>().find("knows no cohesion") != std::string::npos;
+  };
+  EXPECT_TRUE(told(walls, dry));
+  EXPECT_TRUE(told(walls, bagnold));
+  EXPECT_TRUE(told(cell, dry));
+  EXPECT_TRUE(told(data + "/cases/simple_shear.toml", dry));
+  EXPECT_FALSE(told(walls, frictional));
+  EXPECT_FALSE(told(data + "/cases/chute.toml", dry));
+}
+
 TEST_F(PredictChute, LayerBelowTheStopDepthIsFlaggedThin) {
   const auto thin = [&](const std::string& depth) {
     const Output output = predict(write("units = \"grain\"\nanswer = \"steady\"\n[chute]\n"

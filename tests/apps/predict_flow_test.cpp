@@ -59,7 +59,12 @@ TEST_F(PredictFlow, ThinLocalBandIsFlaggedAndStillAnAnswer) {
       "load = 20\ngravity = 1\n";
   const Output local = predict(write(band), "shi2020_mu_p_0.50.toml --json");
   ASSERT_EQ(local.code, 0) << local.text;
-  EXPECT_TRUE(nlohmann::json::parse(local.text)["local_band_collapse"].get<bool>());
+  const auto collapsed = nlohmann::json::parse(local.text);
+  EXPECT_TRUE(collapsed["local_band_collapse"].get<bool>());
+  EXPECT_LT(collapsed["yielded_width"].get<double>(), 5.0);
+  EXPECT_EQ(
+      collapsed["collapse_text"].get<std::string>().find("the local law yields over less than 5 d"),
+      0U);
   const Output nonlocal =
       predict(write(band + "[nonlocal]\namplitude = 0.48\n"), "shi2020_mu_p_0.50.toml --json");
   ASSERT_EQ(nonlocal.code, 0) << nonlocal.text;
@@ -117,6 +122,12 @@ TEST_F(PredictFlow, WritesProfilesWithTheirCoordinate) {
     std::ifstream parsed(json);
     EXPECT_TRUE(nlohmann::json::accept(parsed)) << name;
   }
+}
+
+TEST_F(PredictFlow, AStressHasTheUnitOfItsCase) {
+  for (const auto& [name, unit] :
+       {std::pair("plane_shear", " m g/d^2\n"), {"annular_shear", " Pa\n"}})
+    EXPECT_NE(predict_shipped(name, "shi2020_mu_p_0.50.toml").text.find(unit), std::string::npos);
 }
 
 TEST_F(PredictFlow, CheckSaysWhatIsLeftOut) {

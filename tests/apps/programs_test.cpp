@@ -250,10 +250,19 @@ TEST_F(Programs, OutputTimesAreAnswered) {
 }
 
 TEST_F(Programs, AnInputIsNeverOverwritten) {
-  const std::string question = chute_case("24");
-  const Output answer = grainlaw("predict " + question + published + " -o " + question);
-  EXPECT_EQ(answer.code, 1);
-  EXPECT_NE(answer.text.find("overwritten"), std::string::npos) << answer.text;
+  const std::string question = chute_case("24", "answer = \"start\"\n");
+  std::ofstream(question, std::ios::app) << "[transient]\noutput_times = [5.0]\n";
+  for (const char* name : {"table.toml", "profile_t5.csv", "other.toml"})
+    fs::copy_file(data + "/tables/shi2020_mu_p_0.50.toml", path(name));
+  const auto refused = [&](const std::string& table, const std::string& output) {
+    const Output answer = grainlaw("predict " + question + " -t " + table + " -o " + output);
+    return answer.code == 1 && answer.text.find("overwritten") != std::string::npos;
+  };
+  const std::string table = path("table.toml");
+  EXPECT_TRUE(refused(table, question));
+  EXPECT_TRUE(refused(table, table));
+  EXPECT_TRUE(refused(path("profile_t5.csv"), path("profile.csv")));  // by a snapshot
+  EXPECT_TRUE(refused(table, path("other.toml")));                    // an input of another day
 }
 
 TEST_F(Programs, ARunIsNeverOverwrittenByAProfile) {

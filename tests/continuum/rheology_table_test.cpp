@@ -61,6 +61,21 @@ TEST(RheologyTable, RefusesCoefficientsThatLeavePhysicsByName) {
   EXPECT_TRUE(contains(refusal(table_of(law)), "volume fraction vanish"));
 }
 
+TEST(RheologyTable, RefusesCoefficientsNoGrainsHave) {
+  const auto with = [](const char* coefficient, double value) {
+    auto table = table_of(frictional_spheres());
+    std::get<MuPhi>(table.law).friction.exponent = 1.0;
+    set_coefficient(table, coefficient, value);
+    return refusal(table);
+  };
+  EXPECT_TRUE(contains(with("beta", 1e300), "beta = 1e+300 must be at most 1e+06"));
+  EXPECT_TRUE(contains(with("exponent", 1e-3), "exponent = 0.001 must be finite and at least"));
+  EXPECT_TRUE(contains(with("phi0", 1e-300), "phi0 = 1e-300 must be at least 0.05"));
+  EXPECT_EQ(with("beta", 1e3), "accepted");
+  EXPECT_EQ(with("exponent", 0.1), "accepted");
+  EXPECT_EQ(with("phi0", 0.3), "accepted");
+}
+
 TEST(RheologyTable, RefusesTwoLawsForTheSameCohesion) {
   MuPhi law = frictional_spheres();
   law.cohesion_stress = CohesionStress{.factor = 0.4};

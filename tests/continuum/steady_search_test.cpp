@@ -41,6 +41,20 @@ TEST(SteadySearch, FindsTheExactMassOfAFlow) {
   }
 }
 
+TEST(SteadySearch, AFlowBeyondEveryLayerThatIsTriedIsToldSo) {
+  const auto why = [](double flow) {
+    try {
+      find_chute(rigid_table(), {.chute = {}, .inclination = 24 * degree, .mass_flow = flow});
+    } catch (const NoSuchFlow& missing) {
+      return std::string(missing.what());
+    }
+    return std::string("found");
+  };
+  EXPECT_EQ(why(1e300), "that of a layer 1e+15 d deep, and no deeper one is tried");
+  EXPECT_EQ(why(1e-300),
+            "that of a layer of 1e-12 rho_p d above the base, and no thinner one is tried");
+}
+
 TEST(SteadySearch, FindsTheExactTiltOfAFlow) {
   const double tilt = 24 * degree;
   const double I = inertial_number(incompressible_spheres(), tilt);

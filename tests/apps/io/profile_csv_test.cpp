@@ -26,7 +26,7 @@ const continuum::Answer steady = answer("steady flow");
 TEST(ProfileCsv, HeaderNamesTheUnitOfEveryColumn) {
   const std::string text = profile_csv(two_rows(), steady, grain_units());
   EXPECT_NE(text.find("\nz [d],mass_above [m/d^2],velocity [sqrt(g d)],shear_rate [sqrt(g/d)],"
-                      "shear_stress [m/(d t^2)],pressure [m/(d t^2)],volume_fraction [1],"),
+                      "shear_stress [m g/d^2],pressure [m g/d^2],volume_fraction [1],"),
             std::string::npos)
       << text;
   EXPECT_TRUE(text.starts_with("# STEADY: steady flow\n# units grain: m = mass of a grain"));

@@ -40,7 +40,10 @@ TEST(Units, DimensionlessNumbersDoNotDependOnTheSet) {
 
 TEST(Units, SymbolsAreReadable) {
   const Units si = si_units(1e-3, 2500.0, 9.81);
-  EXPECT_EQ(si.symbol(dimension::stress), "kg/(m s^2)");
+  EXPECT_EQ(si.symbol(dimension::stress), "Pa");
+  EXPECT_EQ(si.symbol(dimension::mass_flow), "kg/(m s)");
+  EXPECT_EQ(grain_units().symbol(dimension::stress), "m g/d^2");
+  EXPECT_EQ(stiffness_units(1e-5).symbol(dimension::stress), "k_n/d");
   EXPECT_EQ(si.symbol(dimension::velocity), "m/s");
   EXPECT_EQ(si.symbol(dimension::number), "1");
   EXPECT_EQ(grain_units().symbol(dimension::velocity), "sqrt(g d)");
