@@ -1,4 +1,4 @@
-// docs/verification.md is made of what the tests V1 to V15 measure, all of which are linked into
+// docs/verification.md is made of what the tests V1 to V16 measure, all of which are linked into
 // this program; run as a whole it checks that the document is current. GRAINLAW_UPDATE_DOCS=1 in
 // the environment writes the file instead.
 #include <fmt/format.h>
@@ -38,6 +38,7 @@ double. Expected values are closed forms, or digits of an independent implementa
 | V13 | limits of vanishing parameters |
 | V14 | manufactured solution of the full law in time |
 | V15 | well-posedness: hand-derived condition, eigenvalues of the linearised equations |
+| V16 | ring cell: Couette flow between tall cylinders, path of least torque of the slow local flow |
 
 The error in time of V14 grows as tolerance times number of steps, because CVODE holds the error of
 each step, not of each unit of time, at the tolerance. Against the tolerance alone its slope is that

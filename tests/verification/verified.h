@@ -11,7 +11,7 @@ namespace grainlaw {
 
 /// One line of docs/verification.md.
 struct Verified {
-  std::string id;    ///< V1 to V15
+  std::string id;    ///< V1 to V16
   std::string what;  ///< quantity and case
   double expected = 0.0;
   double measured = 0.0;
