@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "calibration/observations.h"
+#include "calibration/ordered_boxes.h"
 #include "calibration/state_comparison.h"
 #include "dem/statistics.h"
 
@@ -207,6 +208,7 @@ std::vector<StatePoint> state_points(std::span<const dem::LocalData> runs,
       left_out.emplace_back(error.what());
     }
   }
+  mark_ordered(points);
   return points;
 }
 

@@ -28,7 +28,8 @@ struct ProfilePoints {
 ProfilePoints profile_points(const dem::LocalData& run);
 
 /// All of these of many runs, whatever their geometry; a chute has one I at all depths and is no
-/// such run. Sentences on runs that give no point are appended to `left_out`.
+/// such run. Sentences on runs that give no point are appended to `left_out`; seeds that have
+/// ordered are marked unfit (ordered_boxes.h).
 std::vector<StatePoint> state_points(std::span<const dem::LocalData> runs,
                                      std::vector<std::string>& left_out);
 
