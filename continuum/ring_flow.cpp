@@ -58,9 +58,16 @@ void check(const RingFlowCase& ring, const RingFlowOptions& options) {
   const double d = ring.cell.grains.diameter;
   require_between("inner radius", ring.inner_radius, 0.0, ring.cell.split_radius);
   require_between("split radius", ring.cell.split_radius, ring.inner_radius, ring.outer_radius);
-  if (!(ring.nonlocal_amplitude.value_or(0.0) >= 0.0 &&
-        std::isfinite(ring.nonlocal_amplitude.value_or(0.0))))
-    throw std::invalid_argument("the nonlocal amplitude A must not be negative");
+  constexpr double most = 1e9;  // squares of rates, and products of them, stay numbers
+  require_between("rotation rate in sqrt(g/d)",
+                  ring.cell.rotation_rate * std::sqrt(d / ring.cell.gravity),
+                  1.0 / most,
+                  most);
+  const double amplitude = ring.nonlocal_amplitude.value_or(0.0);
+  constexpr double longest = 1e3;  // A is about 0.5 for grains
+  if (!(amplitude >= 0.0 && amplitude <= longest))
+    throw std::invalid_argument(
+        fmt::format("the nonlocal amplitude A = {} must lie between 0 and {}", amplitude, longest));
   if (!(options.cell_width > 0.0)) throw std::invalid_argument("cells must have a width");
   constexpr double most_cells = 2e5;  // a minute, 1 GB
   const double area = (ring.outer_radius - ring.inner_radius) * ring.cell.depth / (d * d);
@@ -303,7 +310,9 @@ RingFlow ring_flow(const RheologyTable& table,
   flow.torque = torque(problem, fine);
   for (std::size_t k = 0; k < fine.mesh.rows(); ++k) flow.rows.push_back(row_of(problem, fine, k));
   flow.local_band_collapse =
-      problem.amplitude == 0.0 && flow.rows.back().width < thinnest_credible_band;
+      problem.amplitude == 0.0 && std::ranges::all_of(flow.rows, [](const RingFlowRow& row) {
+        return row.width < thinnest_credible_band;
+      });
   flow.answer = answer_of(problem, fine, flow.rows);
   flow.answer.out_of_domain = flags_of(problem, table, flow.rows);
   flow.r = fine.mesh.r();

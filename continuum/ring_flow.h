@@ -46,7 +46,7 @@ struct RingFlow {
   std::vector<double> z;          ///< of the nodes, 0: the bottom [length]
   std::vector<double> rotation;   ///< omega / Omega of the nodes, z by z; empty without an answer
   std::vector<RingFlowRow> rows;  ///< bottom to top
-  /// Local law, and a band at the surface thinner than thinnest_credible_band.
+  /// Local law, and a band thinner than thinnest_credible_band at all heights.
   bool local_band_collapse = false;
   double torque = 0.0;  ///< on the outer part, over the whole circle [force length]
   /// Relative L2 distance of the velocities from those on cells twice as wide: the jump at the

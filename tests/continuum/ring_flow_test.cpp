@@ -93,7 +93,7 @@ TEST(RingFlow, AnswersWhereTheLawHasLeftPhysics) {
   RingFlowCase soft = ring(1.884);
   soft.cell.grains.stiffness = 1e-3;
   EXPECT_EQ(ring_flow(table, soft).answer.outcome, Outcome::no_steady);
-  EXPECT_EQ(ring_flow(table, ring(1e6)).answer.outcome, Outcome::no_dense_state);
+  EXPECT_EQ(ring_flow(table, ring(1e5)).answer.outcome, Outcome::no_dense_state);
 }
 
 TEST(RingFlow, RefusesWhatHasNoMeaning) {
@@ -101,7 +101,9 @@ TEST(RingFlow, RefusesWhatHasNoMeaning) {
   inside_out.inner_radius = 0.09;
   EXPECT_THROW(ring_flow(table, inside_out), std::invalid_argument);
   EXPECT_THROW(ring_flow(table, ring(1.884, -1.0)), std::invalid_argument);
-  EXPECT_THROW(ring_flow(table, ring(std::nan(""))), std::invalid_argument);
+  EXPECT_THROW(ring_flow(table, ring(1.884, 1e4)), std::invalid_argument);
+  for (const double rate : {std::nan(""), 1e-300, 1e300})
+    EXPECT_THROW(ring_flow(table, ring(rate)), std::invalid_argument) << rate;
   EXPECT_THROW(ring_flow(table, ring(1.884), {.cell_width = 1e-3}), std::invalid_argument);
   RheologyTable power = table;
   std::get<MuPhi>(power.law).friction.exponent = 0.5;
