@@ -37,7 +37,7 @@ struct Problem {
 void require_between(const char* name, double value, double lower, double upper) {
   if (!(value > lower && value < upper))
     throw std::invalid_argument(
-        fmt::format("{} = {} must lie between {} and {}", name, value, lower, upper));
+        fmt::format("{} = {:g} must lie between {:g} and {:g}", name, value, lower, upper));
 }
 
 Problem dimensionless(const MuPhi& law, const RingFlowCase& ring) {
@@ -67,7 +67,7 @@ void check(const RingFlowCase& ring, const RingFlowOptions& options) {
   constexpr double longest = 1e3;  // A is about 0.5 for grains
   if (!(amplitude >= 0.0 && amplitude <= longest))
     throw std::invalid_argument(
-        fmt::format("the nonlocal amplitude A = {} must lie between 0 and {}", amplitude, longest));
+        fmt::format("the nonlocal amplitude A = {:g} must lie between 0 and {:g}", amplitude, longest));
   if (!(options.cell_width > 0.0)) throw std::invalid_argument("cells must have a width");
   constexpr double most_cells = 2e5;  // a minute, 1 GB
   const double area = (ring.outer_radius - ring.inner_radius) * ring.cell.depth / (d * d);
