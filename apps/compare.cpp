@@ -46,9 +46,15 @@ Input read(const Arguments& arguments) {
     input.runs.push_back(io::read_run(path));
     units = input.runs.back().units;
   }
-  for (const std::string& path : arguments.tables) {
-    input.tables.push_back(
-        {fs::path(path).filename().string(), io::in_grain_units(io::read_table(path), units)});
+  const auto alike = [&](const fs::path& path) {
+    return std::ranges::count_if(arguments.tables, [&](const std::string& other) {
+      return fs::path(other).filename() == path.filename();
+    });
+  };
+  for (const fs::path path : arguments.tables) {  // with its folder where the name tells too little
+    const fs::path folder = fs::absolute(path).parent_path().filename();
+    const fs::path name = alike(path) > 1 ? folder / path.filename() : path.filename();
+    input.tables.push_back({name.string(), io::in_grain_units(io::read_table(path), units)});
   }
   return input;
 }
@@ -252,7 +258,9 @@ ExitCode compare(const Arguments& arguments, const CommonOptions& options) {
   const DirectoryLock lock(directory);
   store_imported(imported, directory / "runs", arguments.runs);
   report::Report report;
-  report.title = "DEM against continuum: " + input.tables.front().name;
+  report.title = "DEM against continuum: ";
+  report.title += input.tables.size() == 1 ? input.tables.front().name
+                                           : fmt::format("{} tables", input.tables.size());
   report.command = "grainlaw compare";
   report.machine = machine();
   report.table = input.tables.front().table;
