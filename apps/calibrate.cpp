@@ -18,6 +18,7 @@
 #include "apps/program.h"
 #include "apps/scene_run.h"
 #include "apps/series_summary.h"
+#include "dem/estimate_text.h"
 
 namespace grainlaw {
 namespace {
@@ -38,12 +39,17 @@ struct Arguments {
 
 /// One warning for all runs whose standard errors rest on few samples.
 void warn_of_few_samples(CampaignData& data) {
-  std::string names;
+  constexpr std::size_t most = 6;  // names in a sentence
+  std::vector<std::string> found;
   for (const dem::LocalData& run : data.chutes()) {
     const auto few = few_samples(run);
-    if (few) names += fmt::format("{}{} {}", names.empty() ? "" : ", ", run.name, *few);
+    if (few) found.push_back(fmt::format("{} {}", run.name, *few));
   }
-  if (names.empty()) return;
+  if (found.empty()) return;
+  const std::size_t more = found.size() > most ? found.size() - most : 0;
+  found.resize(found.size() - more);
+  const std::string names = fmt::format(
+      "{}{}", fmt::join(found, ", "), more > 0 ? fmt::format(" and {} more", more) : "");
   data.warnings.push_back("few independent samples of the velocity at the worst height (" + names +
                           "): standard errors are rough; a longer averaging_time would help");
 }
@@ -119,15 +125,13 @@ void add_error_lines(Summary& summary, const std::vector<report::RunComparison>&
 
 void add_seed_lines(Summary& summary, const std::vector<report::SeedScatter>& seeds) {
   for (const report::SeedScatter& one : seeds) {
-    summary.add(
-        "seed_scatter_" + one.condition + "_" + one.quantity,
-        fmt::format("{}, {}", one.condition, one.quantity),
-        fmt::format("{:.4g} +- {:.2g} in time, {} seeds scatter by {:.2g} ({:.2g} expected)",
-                    one.mean.value,
-                    one.mean.error,
-                    one.seeds,
-                    one.scatter,
-                    one.expected_scatter()));
+    summary.add("seed_scatter_" + one.condition + "_" + one.quantity,
+                fmt::format("{}, {}", one.condition, one.quantity),
+                fmt::format("{} in time, {} seeds scatter by {:.2g} ({:.2g} expected)",
+                            value_with_error(one.mean.value, one.mean.error),
+                            one.seeds,
+                            one.scatter,
+                            one.expected_scatter()));
   }
 }
 
@@ -156,7 +160,10 @@ std::optional<Reference> reference_of(const io::Campaign& campaign, const Argume
                     "is wanted as --reference",
                     arguments.reference));
   }
-  return Reference{fs::path(arguments.reference).stem().string(), std::move(table)};
+  // "table.toml" in the folder of a calibration is known by its folder
+  const fs::path path = fs::absolute(arguments.reference);
+  const fs::path name = path.stem() == "table" ? path.parent_path().filename() : path.stem();
+  return Reference{name.string(), std::move(table)};
 }
 
 ExitCode check(const io::Campaign& campaign,

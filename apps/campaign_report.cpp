@@ -12,6 +12,7 @@
 #include "apps/program.h"
 #include "apps/seed_scatter.h"
 #include "calibration/box_points.h"
+#include "dem/estimate_text.h"
 #include "dem/run.h"
 
 namespace grainlaw {
@@ -118,12 +119,11 @@ void record_checks(continuum::RheologyTable& table,
                    const std::vector<report::RunComparison>& runs) {
   for (const report::RunComparison& run : runs) {
     if (run.kind == calibration::SampleKind::in_sample || !run.error) continue;
-    table.provenance.checked_against.push_back(
-        fmt::format("{} ({}): velocity within {:.1f} +- {:.1f} % (relative L2)",
-                    run.data.name,
-                    name(run.kind),
-                    100.0 * run.error->velocity.value,
-                    100.0 * run.error->velocity.error));
+    table.provenance.checked_against.push_back(fmt::format(
+        "{} ({}): velocity within {} % (relative L2)",
+        run.data.name,
+        name(run.kind),
+        value_with_error(100.0 * run.error->velocity.value, 100.0 * run.error->velocity.error)));
   }
 }
 

@@ -51,13 +51,21 @@ Input read(const Arguments& arguments) {
     if (!seen.insert(io::digest(input.runs.back())).second)
       throw io::InputError(path + ": the same run is given twice; it would be scored twice");
   }
-  for (const std::string& path : arguments.tables) {
+  const auto alike = [&](const fs::path& path) {
+    return std::ranges::count_if(arguments.tables, [&](const std::string& other) {
+      return fs::path(other).filename() == path.filename();
+    });
+  };
+  for (const fs::path path : arguments.tables) {  // with its folder where the name tells too little
     if (!seen.insert(io::read_file(path)).second)
-      throw io::InputError(path + ": the same table is given twice");
+      throw io::InputError(path.string() + ": the same table is given twice");
     const continuum::RheologyTable table = io::read_table(path);
     if (!table.has_friction)
-      throw io::InputError(path + ": has phi only, and without friction nothing flows by it");
-    input.tables.push_back({fs::path(path).filename().string(), io::in_grain_units(table, units)});
+      throw io::InputError(path.string() +
+                           ": has phi only, and without friction nothing flows by it");
+    const fs::path folder = fs::absolute(path).parent_path().filename();
+    const fs::path name = alike(path) > 1 ? folder / path.filename() : path.filename();
+    input.tables.push_back({name.string(), io::in_grain_units(table, units)});
   }
   return input;
 }
@@ -281,7 +289,9 @@ ExitCode compare(const Arguments& arguments, const CommonOptions& options) {
   const DirectoryLock lock(directory);
   store_imported(imported, directory / "runs", arguments.runs);
   report::Report report;
-  report.title = "DEM against continuum: " + input.tables.front().name;
+  report.title = "DEM against continuum: ";
+  report.title += input.tables.size() == 1 ? input.tables.front().name
+                                           : fmt::format("{} tables", input.tables.size());
   report.command = command_of(arguments);
   report.machine = machine();
   report.table = input.tables.front().table;

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "dem/estimate_text.h"
+
 namespace grainlaw {
 namespace {
 
@@ -75,9 +77,8 @@ void compare_times(Score& score, const dem::Estimate& measured, const dem::Estim
       std::hypot(predicted.error, ratio * measured.error) / std::abs(measured.value);
   score.difference = {ratio - 1.0, error};
   score.in_standard_errors = std::abs(ratio - 1.0) / error;
-  score.remark = fmt::format("DEM {:.4g} +- {:.2g}, continuum {:.4g} sqrt(d/g)",
-                             measured.value,
-                             measured.error,
+  score.remark = fmt::format("DEM {}, continuum {:.4g} sqrt(d/g)",
+                             value_with_error(measured.value, measured.error),
                              predicted.value);
 }
 

@@ -8,6 +8,7 @@
 #include "apps/exit_code.h"
 #include "apps/study_kinds.h"
 #include "apps/study_source.h"
+#include "dem/estimate_text.h"
 #include "dem/fields.h"
 #include "dem/statistics.h"
 
@@ -160,11 +161,10 @@ Slope slope_of(const std::vector<Stretches>& all) {
 
 std::string slope_text(const std::string& quantity, const Slope& slope) {
   return fmt::format(
-      "{}: the error falls with the power {:.2f} +- {:.2f} of the time, by the stretches up to a "
+      "{}: the error falls with the power {} of the time, by the stretches up to a "
       "quarter (-0.5 expected of independent samples).",
       quantity,
-      slope.value,
-      slope.error);
+      value_with_error(slope.value, slope.error));
 }
 
 /// A flat tail: the whole run is farther off than its own standard error allows.

@@ -92,7 +92,7 @@ void study_field(Result& result, const dem::LocalData& data, const Field& field)
     const double total = std::hypot(error.bias, error.noise);
     if (total >= least) continue;
     least = total;
-    best = fmt::format("For {} take w = {:g} d of these: bias {}, noise {}.",
+    best = fmt::format("Of these widths take w = {1:g} d for {0}: bias {2}, noise {3}.",
                        name,
                        width,
                        error_text(error.bias),

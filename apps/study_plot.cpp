@@ -8,6 +8,7 @@
 #include <set>
 
 #include "apps/report/figure.h"
+#include "apps/report/typeset.h"
 #include "apps/study_report.h"
 
 namespace grainlaw::study {
@@ -37,7 +38,14 @@ bool drawable(const Point& point) {
 }
 
 std::string mark(const Point& point) {
-  return report::plot_text(point.mark.empty() ? point.setting : point.mark);
+  return point.mark.empty() ? point.setting : point.mark;
+}
+
+/// As a field of a data block.
+std::string mark_field(const Point& point) {
+  std::string text = report::plot_symbol(report::typeset(mark(point)));
+  std::ranges::replace(text, ',', ' ');
+  return text;
 }
 
 struct Axis {
@@ -81,13 +89,7 @@ std::string range_and_tics(char name, const Axis& axis) {
   }
   const std::vector<double> digits =
       decades < 1.2 ? std::vector{1.0, 1.5, 2.0, 3.0, 5.0, 7.0} : std::vector{1.0, 2.0, 5.0};
-  std::string tics;
-  for (int decade = -12; decade < 12; ++decade) {
-    for (const double digit : digits) {
-      tics += fmt::format("{}{:g}e{}", tics.empty() ? "" : ", ", digit, decade);
-    }
-  }
-  return text + fmt::format("set {}tics ({})\n", name, tics);
+  return text + fmt::format("set {}tics ({})\n", name, report::log_tics(digits));
 }
 
 std::string number(double value) {
@@ -177,7 +179,8 @@ std::string label_block(const Result& result, const Axis& cost, const Axis& erro
   for (const Point* point : points) {
     if (!done.insert({point->setting, point->cost}).second) continue;
     const auto at = placer.place(point->cost, point->error, mark(*point));
-    if (at) text += fmt::format("{},{},{}\n", number(at->first), number(at->second), mark(*point));
+    if (at)
+      text += fmt::format("{},{},{}\n", number(at->first), number(at->second), mark_field(*point));
   }
   return text + "END\n";
 }
@@ -186,16 +189,24 @@ std::string label_block(const Result& result, const Axis& cost, const Axis& erro
 std::string failure_block(const Result& result, const Axis& cost, const Axis& error) {
   std::string text;
   std::set<std::pair<std::string, double>> done;
-  double across = 0.0;  // pixels
+  double across = 0.0;                              // pixels
+  std::vector<std::pair<double, double>> labelled;  // middle and half width of their labels
   for (const Point& point : result.points) {
     const bool free = !(point.cost > 0.0);
     if (!point.failed() || !done.insert({point.setting, free ? 0.0 : point.cost}).second) continue;
     const double half_label = 2.8 * static_cast<double>(mark(point).size()) + 5.0;
+    const double width = (right - left) * figure_width;
+    const double log_span = std::log(cost.upper / cost.lower);
     if (free) across += half_label;
-    const double share = across / ((right - left) * figure_width);
-    const double at = free ? cost.lower * std::pow(cost.upper / cost.lower, share) : point.cost;
+    const double at = free ? cost.lower * std::exp(log_span * across / width) : point.cost;
     if (free) across += half_label;
-    text += fmt::format("{},{},{}\n", number(at), number(0.9999 * error.upper), mark(point));
+    const double place = width * std::log(at / cost.lower) / log_span;
+    const bool covered = std::ranges::any_of(labelled, [&](const std::pair<double, double>& other) {
+      return std::abs(other.first - place) < other.second + half_label - 5.0;
+    });
+    if (!covered) labelled.emplace_back(place, half_label);
+    text += fmt::format(
+        "{},{},{}\n", number(at), number(0.9999 * error.upper), covered ? " " : mark_field(point));
   }
   return text.empty() ? text : "$failures << END\ncost,error,label\n" + text + "END\n";
 }
@@ -210,7 +221,7 @@ std::string series_part(std::size_t k, const std::string& name, bool joined) {
       look.point,
       colour,
       joined ? fmt::format("dt {} lw 1.3", look.dash) : std::string(),
-      report::plot_text(name),
+      report::plot_symbol(report::typeset(name)),
       joined ? "linespoints" : "points");
 }
 
@@ -255,8 +266,8 @@ std::string plot_script(const Result& result) {
          "set logscale xy\nset errorbars small\n" +
          range_and_tics('x', cost) + range_and_tics('y', error) +
          fmt::format("set xlabel '{}'\nset ylabel '{}' offset -0.5,0\n",
-                     result.cost_label,
-                     result.error_label) +
+                     report::plot_symbol(report::typeset(result.cost_label)),
+                     report::plot_symbol(report::typeset(result.error_label))) +
          data + "plot " + parts + "\n";
 }
 

@@ -58,7 +58,11 @@ std::string list(const std::vector<std::string>& sentences) {
 Html outcome_cell(const Point& point) {
   using report::operator""_html;
   if (!point.failed()) return report::typeset(outcome(point));
-  return R"(<span class="prose short">)"_html + report::typeset(outcome(point)) + "</span>"_html;
+  constexpr std::size_t most = 120;  // letters; all of a long reason stands in study.md
+  std::string reason = outcome(point);
+  const std::size_t part = reason.find(';');
+  if (reason.size() > most && part != reason.npos) reason = reason.substr(0, part) + "; ...";
+  return R"(<span class="prose short">)"_html + report::typeset(reason) + "</span>"_html;
 }
 
 /// Without the columns that would say nothing: a series named like its quantity, times of a run
@@ -108,7 +112,7 @@ std::string page(const Result& result, const std::string& svg, const std::string
   const Html figure =
       svg.empty() ? report::paragraph(report::text("Not drawn: " + failure))
                   : "<figure style=\"max-width:48rem\">"_html + Html{svg} + "</figure>\n"_html;
-  Html body = "<h1>"_html + report::text(result.title) + "</h1>\n"_html +
+  Html body = "<h1>"_html + report::typeset(result.title) + "</h1>\n"_html +
               report::paragraph(report::text(result.machine)) +
               report::section("choose", "What to choose"_html, sentences(result.advice)) +
               report::section("figure", report::text(figure_title(result)), figure);

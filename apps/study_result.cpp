@@ -51,7 +51,7 @@ std::string advise_on(const std::string& quantity,
                       const std::vector<const Point*>& points,
                       double accuracy,
                       const std::string& unit) {
-  const std::string goal = fmt::format("{} in {}", error_text(accuracy), quantity);
+  const std::string goal = fmt::format("{:g} % in {}", 100.0 * accuracy, quantity);
   if (points.empty()) return fmt::format("{}: no setting gave a result.", quantity);
   const auto surely = [&](const Point& p) { return p.error + 2.0 * bar(p) <= accuracy; };
   if (const Point* best = cheapest(points, surely)) {
@@ -64,8 +64,8 @@ std::string advise_on(const std::string& quantity,
   const auto perhaps = [&](const Point& p) { return p.error <= std::max(accuracy, 2.0 * bar(p)); };
   if (const Point* best = cheapest(points, perhaps)) {
     return fmt::format(
-        "Whether {} is reached these runs are too short to tell: the cheapest that may, {} ({}), "
-        "is off by {}.",
+        "These runs are too short to tell whether {} is reached: the cheapest setting that may "
+        "reach it, {} ({}), is off by {}.",
         goal,
         setting_text(*best),
         cost_text(*best, unit),
@@ -106,7 +106,12 @@ std::vector<std::string> advise(const std::vector<Point>& points,
 }
 
 std::string error_text(double error) {
-  return error >= 1e-4 ? fmt::format("{:.2g} %", 100.0 * error) : fmt::format("{:.1e}", error);
+  if (!(error >= 1e-4)) return fmt::format("{:.1e}", error);
+  // two digits, a zero among them: 4.0 %, 12 %
+  const double percent = 100.0 * error;
+  const std::string rounded = fmt::format("{:.1e}", percent);
+  const int power = std::stoi(rounded.substr(rounded.find('e') + 1));
+  return fmt::format("{:.{}f} %", percent, std::max(0, 1 - power));
 }
 
 std::string error_text(const Point& point) {

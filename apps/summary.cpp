@@ -46,8 +46,16 @@ std::string wrapped(const std::string& text, std::size_t indent) {
   return out;
 }
 
+/// Four digits, more where they stand before the point; whole numbers as they are.
+std::string number_text(double x) {
+  const double size = std::abs(x);
+  if (size >= 1e4 && size < 1e6 && x != std::round(x)) return fmt::format("{:.0f}", x);
+  const bool whole = x == std::round(x) && size < 1e6;
+  return whole ? fmt::format("{:.6g}", x) : fmt::format("{:.4g}", x);
+}
+
 std::string value_text(const Summary::Value& value, std::size_t indent) {
-  return std::visit(Overload{[](double x) { return fmt::format("{:.6g}", x); },
+  return std::visit(Overload{[](double x) { return number_text(x); },
                              [](long n) { return fmt::format("{}", n); },
                              [](bool yes) { return std::string(yes ? "yes" : "no"); },
                              [&](const std::string& text) { return wrapped(text, indent); },
@@ -135,14 +143,6 @@ void print(const Summary& summary, const CommonOptions& options) {
   if (options.quiet && !options.json) return;
   // A stdout that cannot be written is noticed when the program ends and flushes it.
   std::fputs((options.json ? summary.json() : summary.text()).c_str(), stdout);
-}
-
-std::string value_with_error(double value, double error) {
-  if (!std::isfinite(value)) return "not measured";
-  if (!std::isfinite(error) || error <= 0.0) return fmt::format("{:.6g}", value);
-  const int digits = std::max(0, 1 - static_cast<int>(std::floor(std::log10(error))));
-  if (digits > 9) return fmt::format("{:.6g} +- {:.1g}", value, error);
-  return fmt::format("{:.{}f} +- {:.{}f}", value, digits, error, digits);
 }
 
 }  // namespace grainlaw

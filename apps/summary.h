@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "apps/command_line.h"
+#include "dem/estimate_text.h"
 
 namespace grainlaw {
 
@@ -50,8 +51,5 @@ class Summary {
 
 /// The summary on stdout, as text or JSON; nothing when quiet text was asked.
 void print(const Summary& summary, const CommonOptions& options);
-
-/// "0.3712 +- 0.0041": both rounded to two digits of the error.
-std::string value_with_error(double value, double error);
 
 }  // namespace grainlaw

@@ -151,7 +151,7 @@ std::string too_few(std::vector<double> contact_frictions, std::size_t tables) {
     at += (at.empty() ? "" : ", ") + fmt::format("{}", mu_p);
   }
   return fmt::format(
-      "{} of {} tables state it, at mu_p = {}; a curve has three coefficients and needs 4 "
+      "stated by {} of {} tables, at mu_p = {}; a curve has three coefficients and needs 4 "
       "different mu_p",
       contact_frictions.size(),
       tables,

@@ -5,6 +5,7 @@
 #include "calibration/mu_phi_fit.h"
 #include "calibration/observations.h"
 #include "calibration/power_profile.h"
+#include "dem/estimate_text.h"
 #include "dem/statistics.h"
 
 namespace grainlaw::calibration {
@@ -115,8 +116,9 @@ void note_imbalance(FlowPoint& point) {
   if (in_balance(point)) return;
   std::ostringstream text;
   text.precision(4);
-  text << point.name << ": measured friction " << point.friction.value << " +- "
-       << point.friction.error << " differs from tan(theta) = " << std::tan(point.inclination)
+  text << point.name << ": measured friction "
+       << value_with_error(point.friction.value, point.friction.error)
+       << " differs from tan(theta) = " << std::tan(point.inclination)
        << " by more than chance allows (3 standard errors): the layer is not in balance or the "
           "stress is biased; "
           "the fit takes the measured value";

@@ -10,6 +10,7 @@
 #include "calibration/least_squares.h"
 #include "calibration/observations.h"
 #include "continuum/rheology.h"
+#include "dem/estimate_text.h"
 
 namespace grainlaw::calibration {
 namespace {
@@ -172,7 +173,7 @@ std::string why_kappa_is_dropped(const LawFit& curved) {
   const double error = curved.error(2);
   std::ostringstream text;
   text.precision(3);
-  text << "the data give " << x[2] << " +- " << error;
+  text << "the data give " << value_with_error(x[2], error);
   if (curved.minimum.at_bound[2]) text << ", at its bound (error one-sided)";
   const double largest = x[2] + 1.645 * error;  // one-sided 95 % of a normal distribution
   text << ", less than " << least_significance
@@ -265,8 +266,8 @@ FittedLaw fit_volume_fraction(const std::vector<FlowPoint>& points) {
   FittedLaw law = express({"phi0"}, constant);
   std::ostringstream text;
   text.precision(3);
-  text << "I_phi is dropped (constant phi): the data give 1/I_phi = " << inverse << " +- " << error
-       << ", no measured decrease of phi with I";
+  text << "I_phi is dropped (constant phi): the data give 1/I_phi = "
+       << value_with_error(inverse, error) << ", no measured decrease of phi with I";
   law.summary.not_identifiable.push_back(text.str());
   return law;
 }

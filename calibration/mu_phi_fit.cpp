@@ -9,6 +9,7 @@
 
 #include "calibration/inertial_laws.h"
 #include "calibration/observations.h"
+#include "dem/estimate_text.h"
 
 namespace grainlaw::calibration {
 namespace {
@@ -100,8 +101,8 @@ MeanBase mean_base(const std::vector<FlowPoint>& points) {
   base.covariance(1, 1) = std::pow(mass.mean.error, 2);
   std::ostringstream text;
   text.precision(2);
-  text << "effective base: weighted mean over the runs, no-slip height " << height.mean.value
-       << " +- " << height.mean.error << " d";
+  text << "effective base: weighted mean over the runs, no-slip height "
+       << value_with_error(height.mean.value, height.mean.error) << " d";
   if (height.scatter > 1.0) {
     text << "; the runs scatter by " << height.scatter
          << " times their own errors, the error is enlarged by this factor";

@@ -6,6 +6,7 @@
 
 #include "calibration/differentiate.h"
 #include "calibration/model_choice.h"
+#include "dem/estimate_text.h"
 
 namespace grainlaw::calibration {
 namespace {
@@ -32,7 +33,7 @@ std::string why_left_out(const RatioPoint& point, const RatioRule& rule, bool lo
   } else if (!(std::isfinite(xi.value) && std::isfinite(xi.error) && xi.error > 0.0)) {
     text << "Xi or its error is not a number";
   } else if (xi.value < rule.least_significance * xi.error || xi.value <= 0.0) {
-    text << "Xi = " << xi.value << " +- " << xi.error << " is not detected ("
+    text << "Xi = " << value_with_error(xi.value, xi.error) << " is not detected ("
          << rule.least_significance << " standard errors)";
   } else if (point.x < rule.least_x || point.x > rule.largest_x) {
     text << "x = " << point.x << " is outside " << rule.least_x << " to " << rule.largest_x;
@@ -43,8 +44,9 @@ std::string why_left_out(const RatioPoint& point, const RatioRule& rule, bool lo
 void require_line(const Line& line) {
   const auto [low, high] = std::minmax_element(line.t.begin(), line.t.end());
   if (line.t.size() >= 3 && *high > *low) return;
-  throw FitError("a law of Xi needs 3 points at different x at least, " +
-                 std::to_string(line.t.size()) + " are left");
+  throw FitError(
+      "a law of Xi needs at least 3 points at different x with Xi told from 0; there are " +
+      std::to_string(line.t.size()));
 }
 
 FittedCoefficient with_interval(FittedCoefficient c, double half_width) {

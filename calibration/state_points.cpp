@@ -46,6 +46,7 @@ bool above(const dem::Estimate& measured, double bound) {
 /// Why a point lies outside the range of a law; empty: inside.
 std::string outside(const StatePoint& point, Quantity quantity, const FitRange& range) {
   std::ostringstream text;
+  text.precision(4);
   const dem::Estimate& I = point.inertial_number;
   const bool friction = quantity == Quantity::friction;
   const double softest = friction ? range.friction_softness : range.fraction_softness;

@@ -9,6 +9,7 @@
 #include <numeric>
 #include <vector>
 
+#include "dem/estimate_text.h"
 #include "dem/statistics.h"
 
 namespace grainlaw::dem {
@@ -178,7 +179,7 @@ Drifts drifts_in_words(std::span<const Series> series,
     const double clarity = std::abs(drift.change) / drift.error;
     if (!drift.significant(confidence)) continue;
     std::string word = fmt::format(
-        "{} changes by {:.3g} +- {:.2g} over the window", s.name, drift.change, drift.error);
+        "{} changes by {} over the window", s.name, value_with_error(drift.change, drift.error));
     if (s.quantity == Quantity::height &&
         std::abs(drift.change) < criteria.compaction * s.values.back()) {
       words.tolerated = std::move(word);

@@ -101,10 +101,8 @@ Table bagnold_table(const Report& report, const std::string& units) {
 
 /// Value, error and 95 % interval.
 Html interval_cell(const calibration::FittedCoefficient& c) {
-  const std::string number = with_error({.value = c.value, .error = c.error});
-  if (!std::isfinite(c.interval.upper)) return text(number);
-  return text(fmt::format(
-      "{} [{}, {}]", number, significant(c.interval.lower, 2), significant(c.interval.upper, 2)));
+  return text(
+      with_interval({.value = c.value, .error = c.error}, c.interval.lower, c.interval.upper));
 }
 
 Table variant_table(const Report& report) {

@@ -286,7 +286,7 @@ std::vector<FigureGroup> flow_figures(const Report& report) {
     const FlowComparison& flow = report.flows[k];
     if (flow.data.conditions.geometry == "simple_shear") continue;
     const std::string base = stem(flow.data.name, k + 1);
-    FigureGroup group{.title = text(flow.data.name), .data = {}, .figures = {}};
+    FigureGroup group{.title = code(flow.data.name), .data = {}, .figures = {}};
     if (flow.ring) {
       add_ring_figures(report, flow, base, group);
     } else if (!flow.data.rows.empty()) {

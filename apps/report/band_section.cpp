@@ -15,17 +15,22 @@ namespace {
 using calibration::LawResidual;
 using calibration::StateComparison;
 
+std::string in_words(std::string geometry) {
+  std::ranges::replace(geometry, '_', ' ');
+  return geometry;
+}
+
 /// What the numbers in figures and tables stand for.
 Html table_numbers(const Report& report) {
   if (report.tables.size() < 2) return {};
   std::vector<Html> parts;
   for (std::size_t t = 0; t < report.tables.size(); ++t)
-    parts.push_back(text(fmt::format("{}: {}", t + 1, report.tables[t].name)));
+    parts.push_back(text(fmt::format("{}: ", t + 1)) + code(report.tables[t].name));
   return paragraph("Tables by number: "_html + join(parts, ", "_html) + "."_html);
 }
 
 Html table_title(const Report& report, std::size_t t) {
-  return report.tables.size() > 1 ? text(report.tables[t].name + ": ") : Html{};
+  return report.tables.size() > 1 ? code(report.tables[t].name) + ": "_html : Html{};
 }
 
 /// The quantities that have left the data of the table.
@@ -59,7 +64,7 @@ std::vector<Html> residual_cells(const dem::Estimate& measured, const LawResidua
 }
 
 std::vector<Html> state_row(const StateComparison& state) {
-  std::vector<Html> row = {text(state.point.name),
+  std::vector<Html> row = {code(state.point.name),
                            text(significant(state.point.inertial_number.value, 3)),
                            text(significant(state.point.softness.value, 2)),
                            text(significant(state.point.bond_number.value, 2))};
@@ -103,10 +108,10 @@ Table state_table(const Report& report, std::size_t t) {
     const FlowPrediction& prediction = flow.tables[t];
     if (prediction.states.empty()) continue;
     if (prediction.states.size() > 1)
-      result.rows.push_back({text(fmt::format("{}, {} ({})",
-                                              flow.data.name,
-                                              flow.data.conditions.geometry,
-                                              calibration::name(prediction.kind)))});
+      result.rows.push_back(
+          {code(flow.data.name) + text(fmt::format(", {} ({})",
+                                                   in_words(flow.data.conditions.geometry),
+                                                   calibration::name(prediction.kind)))});
     for (const StateComparison& state : prediction.states) result.rows.push_back(state_row(state));
   }
   return result;
@@ -165,9 +170,9 @@ Table band_table(const Report& report) {
   for (const FlowComparison& flow : report.flows) {
     if (flow.tables.empty() || !flow.tables.front().local) continue;
     const double d = flow.data.conditions.grain_diameter;
-    result.rows.push_back({text(fmt::format("{}, {}{}",
-                                            flow.data.name,
-                                            flow.data.conditions.geometry,
+    result.rows.push_back({code(flow.data.name) +
+                           text(fmt::format(", {}{}",
+                                            in_words(flow.data.conditions.geometry),
                                             flow.data.window.steady ? "" : ", DEM not steady"))});
     for (std::size_t t = 0; t < flow.tables.size(); ++t) {
       const std::string name = report.tables.size() > 1 ? fmt::format("{} ", t + 1) : "";
@@ -197,8 +202,8 @@ Html nonlocal_sentence(const Report& report) {
 /// Cells of one score in the table of kinds.
 std::vector<Html> score_row(const Score& score) {
   std::vector<Html> row = {
-      text(score.run),
-      text(score.flow),
+      code(score.run),
+      text(in_words(score.flow)),
       typeset(score.quantity),
       text(percent_value(score.difference)),
       text(significant(score.in_standard_errors, 2)),
@@ -283,9 +288,9 @@ Table side_by_side(const Report& report) {
       .head = {"Run"_html, "Of"_html},
       .rows = {},
       .text_columns = 2};
-  for (const TableScores& scores : report.tables) result.head.push_back(text(scores.name));
+  for (const TableScores& scores : report.tables) result.head.push_back(code(scores.name));
   for (const Score& row : report.tables.front().scores) {
-    result.rows.push_back({text(row.run), typeset(row.quantity)});
+    result.rows.push_back({code(row.run), typeset(row.quantity)});
     for (const TableScores& scores : report.tables) {
       const auto found =
           std::ranges::find_if(scores.scores, [&](const Score& s) { return same(s, row); });

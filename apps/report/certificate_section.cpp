@@ -34,6 +34,11 @@ Table interval_table(const Report& report) {
   return result;
 }
 
+/// The tail of a normal distribution means nothing as far out as 1e-100.
+std::string probability_text(double probability) {
+  return probability < 1e-6 ? "< 10⁻⁶" : significant(probability, 2);
+}
+
 std::vector<Html> state_row(const RunComparison& run, const continuum::CertifiedState& state) {
   const auto& found = state.well_posedness;
   const auto& probability = state.ill_posed_probability;
@@ -45,7 +50,7 @@ std::vector<Html> state_row(const RunComparison& run, const continuum::Certified
       text(state.margin_error ? with_error({.value = found.margin, .error = *state.margin_error})
                               : significant(found.margin)),
       text(significant(found.direction)),
-      text(probability ? significant(*probability, 2) : "–"),
+      text(probability ? probability_text(*probability) : "–"),
       text(found.holds() ? "yes" : "no")};
 }
 

@@ -49,7 +49,7 @@ Table yield_table(const CohesionSeries& cohesion) {
       .text_columns = 1};
   for (const CohesivePoint& point : cohesion.points) {
     result.rows.push_back(
-        {text(point.name),
+        {code(point.name),
          text(significant(point.attraction, 3)),
          text(degrees(point.inclination)),
          text(fixed(point.layer_height, 1)),
@@ -154,11 +154,14 @@ std::vector<Group> groups_of(const CohesionSeries& cohesion) {
   return groups;
 }
 
-std::string head(const std::string& name, const char* y) {
-  return plot_head(name, {.width = 480, .height = 360}) +
+std::string head(const std::string& name, const std::vector<Group>& groups, const char* y) {
+  constexpr PlotSize size{.width = 480, .height = 360};
+  std::vector<std::string> titles;
+  for (const Group& group : groups) titles.push_back(group.label);
+  return plot_head(name, size) + key_above(groups.size(), longest(titles), size) +
          fmt::format(
-             "set tmargin at screen 0.76\nset xlabel '{{/:Italic f}}_a/({{/:Italic m g}})'\n"
-             "set ylabel '{}'\nset xrange [-1:*]\nset yrange [0:*]\nplot ",
+             "set xlabel '{{/:Italic f}}_a/({{/:Italic m g}})'\n"
+             "set ylabel '{}'\nset xrange [-1:*]\nset yrange [0:*]\n",
              y);
 }
 
@@ -179,41 +182,55 @@ Figure yield_figure(const std::vector<Group>& groups) {
         "'{}' using {}:\"tau_c pairs\":\"tau_c pairs error\" with yerrorbars {} title '{}'",
         file_of(k),
         abscissa(place),
-        point_style(k),
+        point_style(k, 0.8),
         groups[k].label));
     parts.push_back(fmt::format(
         "'{}' using {}:\"tau_c weight\":\"tau_c weight error\" with yerrorbars {} notitle",
         file_of(k),
         abscissa(place + 1.0),
-        hollow_style(k)));
+        hollow_style(k, 0.9)));
   }
   return {
       .name = "cohesion_yield",
-      .script = head("cohesion_yield", "τ_c {/:Italic d}²/({/:Italic m g})") + joined(parts),
+      .script = head("cohesion_yield", groups, "{/:Italic τ}_c {/:Italic d}²/({/:Italic m g})") +
+                "plot " + joined(parts),
       .label = "Yield stress against attraction",
       .caption =
           "Yield stress on the incline, from stress–rate pairs (filled) and from the weight "
           "of the plug (hollow); beside each other: one attraction. Bars: one standard error"_html};
 }
 
-Figure ratio_figure(const std::vector<Group>& groups, bool with_law) {
+/// An interval without a useful upper end must not flatten all others.
+double ratio_end(const SeriesReport& series) {
+  double largest = 0.0;
+  for (const calibration::ContactPoint& point : series.contacts.points) {
+    const double value = point.ratio[1].value;
+    if (std::isfinite(value)) largest = std::fmax(largest, value);
+    if (point.ratio_of_law) largest = std::fmax(largest, *point.ratio_of_law);
+  }
+  return largest > 0.0 ? 1.5 * largest : 1.0;
+}
+
+Figure ratio_figure(const SeriesReport& series, const std::vector<Group>& groups, bool with_law) {
   std::vector<std::string> parts;
   for (std::size_t k = 0; k < groups.size(); ++k) {
     parts.push_back(
         fmt::format("'{}' using {}:\"Xi\":\"Xi low\":\"Xi high\" with yerrorbars {} title '{}'",
                     file_of(k),
                     abscissa(static_cast<double>(k)),
-                    point_style(k),
+                    point_style(k, 0.8),
                     groups[k].label));
     if (!with_law) continue;
     parts.push_back(fmt::format(
         "'{}' using \"fa\":\"Xi law\" with lines {} notitle", file_of(k), line_style(k)));
   }
   return {.name = "cohesion_ratio",
-          .script = head("cohesion_ratio", "Ξ at half the flowing height") + joined(parts),
+          .script = head("cohesion_ratio", groups, "{/:Italic Ξ} at half the flowing height") +
+                    fmt::format("set yrange [0:{:.3g}]\nplot ", ratio_end(series)) + joined(parts),
           .label = "Ratio of the linear to the quadratic stress against attraction",
           .caption =
-              "<i>Ξ</i> at half the flowing height; bars: 95 %, none where Ξ has no limit; "
+              "<i>Ξ</i> at half the flowing height; bars: 95 %, none where <i>Ξ</i> has no "
+              "limit, cut off at the axis; "
               "lines: the flow a law without lifetimes of contacts predicts"_html};
 }
 
@@ -235,7 +252,7 @@ std::map<std::string, Csv> cohesion_data(const SeriesReport& series) {
 
 std::vector<Figure> cohesion_figures(const SeriesReport& series) {
   const std::vector<Group> groups = groups_of(*series.cohesion);
-  return {yield_figure(groups), ratio_figure(groups, !series.law_name.empty())};
+  return {yield_figure(groups), ratio_figure(series, groups, !series.law_name.empty())};
 }
 
 }  // namespace grainlaw::report

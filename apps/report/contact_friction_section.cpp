@@ -133,11 +133,11 @@ Html contact_friction_section(const ContactFrictionReport& report,
                               const FigureGroup& group,
                               const Pictures& pictures) {
   std::vector<Html> names;
-  for (const std::string& name : report.table_names) names.push_back(text(name));
+  for (const std::string& name : report.table_names) names.push_back(code(name));
   Html content = paragraph("Tables: "_html + join(names, ", "_html) + "."_html);
   content += table(curve_table(report));
   std::vector<Html> items;
-  for (const std::string& sentence : report.curves.left_out) items.push_back(text(sentence));
+  for (const std::string& sentence : report.curves.left_out) items.push_back(typeset(sentence));
   if (!items.empty()) content += "<p>Without a curve:</p>\n"_html + list(items);
   return section("contact-friction",
                  "Coefficients over contact friction"_html,

@@ -85,7 +85,7 @@ Table stage_table(const std::vector<StageCost>& costs) {
 std::string window_text(const dem::LocalData& data) {
   const double unit = scales(data.conditions).time;
   if (!data.window.steady) return "not steady";
-  return fmt::format("{:.4g} to {:.4g}", data.window.begin / unit, data.window.end / unit);
+  return fixed(data.window.begin / unit, 1) + " to " + fixed(data.window.end / unit, 1);
 }
 
 /// Lowest and middle N_eff over the rows.

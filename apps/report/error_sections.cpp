@@ -5,6 +5,7 @@
 
 #include "apps/report/numbers.h"
 #include "apps/report/sections.h"
+#include "apps/report/typeset.h"
 
 namespace grainlaw::report {
 namespace {
@@ -89,7 +90,7 @@ Html naive_sentence(const Report& report) {
   std::vector<Html> parts;
   for (const RunComparison& run : report.runs) {
     if (!run.naive_source.empty())
-      parts.push_back(run_label(run) + text(" from " + run.naive_source));
+      parts.push_back(run_label(run) + " from "_html + code(run.naive_source));
   }
   if (parts.empty()) return {};
   return paragraph(
@@ -102,10 +103,11 @@ Html missing_sentences(const Report& report) {
   std::vector<Html> items;
   for (const RunComparison& run : report.runs) {
     if (run.error) continue;
-    items.push_back(run_label(run) +
-                    text(fmt::format(": no profiles to compare. Continuum: {}. DEM: {}",
-                                     continuum::name(run.steady.answer.outcome),
-                                     run.data.window.steady ? "steady" : run.data.window.reason)));
+    items.push_back(
+        run_label(run) +
+        typeset(fmt::format(": no profiles to compare. Continuum: {}. DEM: {}",
+                            continuum::name(run.steady.answer.outcome),
+                            run.data.window.steady ? "steady" : run.data.window.reason)));
   }
   return items.empty() ? Html{} : list(items);
 }
@@ -128,7 +130,8 @@ Table time_table(const Report& report) {
                         "Claimed s.e. of <i>I</i> [%]"_html},
                .rows = {},
                .text_columns = 0};
-  for (const RunComparison& run : report.runs) result.head.push_back(text(run.data.name + " [%]"));
+  for (const RunComparison& run : report.runs)
+    result.head.push_back(code(run.data.name) + " [%]"_html);
   const double time = report.runs.empty() ? 1.0 : scales(report.runs.front().data.conditions).time;
   for (const TimeErrorPoint& point : report.error_against_time) {
     std::vector<Html> row = {text(significant(point.averaging_time / time, 3)),
@@ -155,9 +158,9 @@ Html time_failures(const Report& report) {
   std::vector<Html> items;
   for (const TimeErrorPoint& point : report.error_against_time) {
     if (point.failure.empty()) continue;
-    items.push_back(text(fmt::format("No fit from an averaging time of {}: {}",
-                                     significant(point.averaging_time, 3),
-                                     point.failure)));
+    items.push_back(typeset(fmt::format("No fit from an averaging time of {}: {}",
+                                        significant(point.averaging_time, 3),
+                                        point.failure)));
   }
   return items.empty() ? Html{} : list(items);
 }
@@ -182,7 +185,7 @@ Html time_section(const Report& report, const FigureGroup& group, const Pictures
 }
 
 Html run_label(const RunComparison& run) {
-  return text(fmt::format("{}, {}", run.data.name, degrees(run.data.conditions.inclination)));
+  return code(run.data.name) + text(", " + degrees(run.data.conditions.inclination));
 }
 
 std::vector<const RunComparison*> runs_of(const Report& report, SampleKind kind) {

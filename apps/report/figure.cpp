@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <vector>
 
 #include "apps/report/numbers.h"
 
@@ -46,7 +48,8 @@ std::string file_stem(const RunComparison& run, std::size_t number) {
 std::string plot_text(std::string_view name) {
   std::string result;
   for (const char c : name) {
-    const bool special = std::string_view("'\"`\\_^{}@&~%,\n\r").find(c) != std::string_view::npos;
+    const bool special = std::string_view("'\"`\\^{}@&~%\n\r").find(c) != std::string_view::npos;
+    if (c == '_') result += '\\';
     result += special ? ' ' : c;
   }
   return result;
@@ -57,6 +60,7 @@ std::string plot_head(const std::string& name, PlotSize size) {
 set terminal svg size {1},{2} dynamic enhanced font ',12'
 set output '{0}.svg'
 set encoding utf8
+set minussign
 set datafile separator comma
 set datafile columnheaders
 set lmargin at screen {3:.3f}
@@ -96,24 +100,50 @@ std::string log_axis(char axis, double lower, double upper) {
   const std::vector<double> digits = span < 6.0    ? std::vector{1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0}
                                      : span < 60.0 ? std::vector{1.0, 2.0, 5.0}
                                                    : std::vector{1.0};
+  return fmt::format(
+      "set {0}range [{1:.4g}:{2:.4g}]\nset {0}tics ({3})\n", axis, lower, upper, log_tics(digits));
+}
+
+std::string log_tics(const std::vector<double>& digits) {
   std::string tics;
-  for (double decade = 1e-6; decade < 1e7; decade *= 10.0) {
+  for (int power = -12; power < 12; ++power) {
     for (const double digit : digits) {
-      tics += fmt::format("{}{:.3g}", tics.empty() ? "" : ", ", digit * decade);
+      const double at = digit * std::pow(10.0, power);
+      const std::string label = power < -4 || power > 4 ? fmt::format("'10^{{{}}}' ", power) : "";
+      if (label.empty() || digit == 1.0)
+        tics += fmt::format("{}{}{:.3g}", tics.empty() ? "" : ", ", label, at);
+    }
+    for (int digit = 2; digit < 10; ++digit) {  // without a label
+      tics += fmt::format(", '' {}e{} 1", digit, power);
     }
   }
-  return fmt::format(
-      "set {0}range [{1:.4g}:{2:.4g}]\nset {0}tics ({3})\n", axis, lower, upper, tics);
+  return tics;
 }
 
-std::string point_style(std::size_t k) {
-  const SeriesStyle& style = series[k % series.size()];
-  return fmt::format("pt {} ps 0.5 lc rgb '{}'", style.point, style.colour);
+std::string key_above(std::size_t entries, std::size_t longest_title, PlotSize size) {
+  // What gnuplot reserves: a letter 7 px, the sample 40.
+  const double column = 7.2 * static_cast<double>(longest_title) + 40.0;
+  const std::size_t columns = 2.0 * column < size.width - 80.0 ? 2 : 1;
+  const std::size_t rows = (entries + columns - 1) / columns;
+  return fmt::format("set key maxcols {}\nset tmargin at screen {:.3f}\n",
+                     columns,
+                     1.0 - (18.0 * static_cast<double>(rows) + 12.0) / size.height);
 }
 
-std::string hollow_style(std::size_t k) {
+std::size_t longest(const std::vector<std::string>& titles) {
+  std::size_t result = 0;
+  for (const std::string& title : titles) result = std::max(result, title.size());
+  return result;
+}
+
+std::string point_style(std::size_t k, double size) {
   const SeriesStyle& style = series[k % series.size()];
-  return fmt::format("pt {} ps 0.6 lc rgb '{}'", style.point - 1, style.colour);
+  return fmt::format("pt {} ps {} lc rgb '{}'", style.point, size, style.colour);
+}
+
+std::string hollow_style(std::size_t k, double size) {
+  const SeriesStyle& style = series[k % series.size()];
+  return fmt::format("pt {} ps {} lc rgb '{}'", style.point - 1, size, style.colour);
 }
 
 std::string line_style(std::size_t k) {

@@ -46,7 +46,8 @@ std::string stretch_title(const calibration::Stretch& stretch);
 /// File name stem of a run: its number, from 1, and its name reduced to letters and digits.
 std::string file_stem(const RunComparison& run, std::size_t number);
 
-/// What gnuplot may show as text: nothing it would take for a command or for enhanced text.
+/// What gnuplot shows as it stands between single quotes: nothing it would take for a command or
+/// for enhanced text.
 std::string plot_text(std::string_view name);
 
 struct PlotSize {
@@ -74,13 +75,22 @@ inline constexpr std::string_view band = "#808890";
 }  // namespace colour
 
 /// Point shape, dash and colour of the k-th series of a figure, as gnuplot options.
-std::string point_style(std::size_t k);
-std::string hollow_style(std::size_t k);
+std::string point_style(std::size_t k, double size = 0.5);
+std::string hollow_style(std::size_t k, double size = 0.6);
 std::string line_style(std::size_t k);
 
 /// A logarithmic axis with labels close enough for its span; left to itself gnuplot labels powers
 /// of ten only, of which a short axis holds one or none.
 std::string log_axis(char axis, double lower, double upper);
+
+/// Labelled tics at these digits of every decade, and small ones between them.
+std::string log_tics(const std::vector<double>& digits);
+
+/// The key above the frame, in two columns where the longest title lets it, and the room it needs.
+std::string key_above(std::size_t entries, std::size_t longest_title, PlotSize size = {});
+
+/// In letters.
+std::size_t longest(const std::vector<std::string>& titles);
 
 /// Units in which everything is plotted: d, sqrt(g d), sqrt(d/g) of the run.
 struct Scales {

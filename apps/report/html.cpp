@@ -22,9 +22,32 @@ std::string_view entity(char c) {
   }
 }
 
+/// Numbers may break into lines where a reader would break them: before ±, a bracket and "to".
+/// Every other space holds.
+std::string held_together(const std::string& markup) {
+  std::string result;
+  bool in_tag = false;
+  for (std::size_t i = 0; i < markup.size(); ++i) {
+    if (markup[i] == '<') in_tag = true;
+    if (markup[i] == '>') in_tag = false;
+    const std::string_view rest = std::string_view(markup).substr(i + 1);
+    const bool breaks = rest.starts_with("±") || rest.starts_with("[") || rest.starts_with("(") ||
+                        rest.starts_with("to ");
+    markup[i] == ' ' && !in_tag&& !breaks ? result += "\u00a0" : result += markup[i];
+  }
+  return result;
+}
+
+/// A sentence in a column of numbers wraps as any other.
+bool is_sentence(const std::string& markup) {
+  return markup.find("<span") != std::string::npos;
+}
+
 Html cell(std::string_view name, bool words, const Html& content) {
   const std::string_view style = words ? R"( class="words")" : "";
-  return {fmt::format("<{0}{1}>{2}</{0}>", name, style, content.markup)};
+  const bool numbers = !words && name == "td" && !is_sentence(content.markup);
+  return {fmt::format(
+      "<{0}{1}>{2}</{0}>", name, style, numbers ? held_together(content.markup) : content.markup)};
 }
 
 Html row(const std::vector<Html>& cells, std::string_view name, const Table& content) {
@@ -62,6 +85,15 @@ Html text(std::string_view plain) {
     escaped.empty() ? result.markup += c : result.markup += escaped;
   }
   return result;
+}
+
+Html code(std::string_view name) {
+  Html result = "<code>"_html;
+  for (const char c : name) {
+    result += text({&c, 1});
+    if (c == '_') result.markup += "<wbr/>";
+  }
+  return result + "</code>"_html;
 }
 
 Html join(const std::vector<Html>& parts, const Html& separator) {

@@ -21,6 +21,9 @@ Html operator""_html(const char* markup, std::size_t length);
 /// Plain text with & < > " ' escaped.
 Html text(std::string_view plain);
 
+/// Name of a run, file or key, which may break into lines after each underscore.
+Html code(std::string_view name);
+
 Html join(const std::vector<Html>& parts, const Html& separator);
 Html paragraph(const Html& content);
 Html list(const std::vector<Html>& items);
@@ -42,7 +45,7 @@ struct Table {
   std::size_t text_columns = 1;
 };
 
-/// In a box of its own that scrolls where the page is narrower than the table.
+/// Cells wrap where the page is narrow; what is still wider scrolls in a box of its own.
 Html table(const Table& content);
 
 }  // namespace grainlaw::report

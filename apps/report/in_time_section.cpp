@@ -53,7 +53,7 @@ Table in_time_table(const Report& report) {
     for (const Stretch& stretch : run.in_time) {
       if (stretch.moments.empty()) continue;
       const calibration::Moment& worst = worst_moment(stretch);
-      result.rows.push_back({text(run.data.name),
+      result.rows.push_back({code(run.data.name),
                              text(stretch_title(stretch)),
                              text(significant(100.0 * stretch.error, 2)),
                              text(significant(100.0 * worst.velocity_error, 2)),

@@ -83,7 +83,7 @@ Table point_table(const std::vector<calibration::FlowPoint>& points) {
                .rows = {},
                .text_columns = 1};
   for (const calibration::FlowPoint& point : points) {
-    result.rows.push_back({text(point.name),
+    result.rows.push_back({code(point.name),
                            text(degrees(point.inclination)),
                            text(with_error(point.inertial_number)),
                            text(with_error(point.friction)),

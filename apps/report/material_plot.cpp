@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "apps/report/material_law.h"
 #include "apps/report/sections.h"
 #include "apps/report/typeset.h"
 
@@ -138,14 +139,30 @@ std::string material_head(const std::string& name) {
 
 std::string inertia_axis(const MaterialReport& material) {
   const continuum::Range range = inertia_range(material);
-  return "set logscale x\n" + log_axis('x', range.lower, range.upper) +
-         "set xtics (0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5)\n"
+  return "set logscale x\n" + log_axis('x', range.lower, range.upper) + "set xtics (" +
+         log_tics({1.0, 2.0, 5.0}) +
+         ")\n"
          "set xlabel '{/:Italic I}'\n";
+}
+
+/// A little beyond the largest residual of a fitted point: points outside the range of the fit may
+/// lie ten times as far.
+double residual_end(const MaterialReport& material) {
+  double largest = 4.0;
+  for (std::size_t i = 0; i < material.points.size(); ++i) {
+    const LawValue left = residual(material, material.points[i]);
+    if (material.fit.friction_weight[i] > 0.0)
+      largest = std::fmax(largest, std::abs(left.friction));
+    if (material.fit.fraction_weight[i] > 0.0)
+      largest = std::fmax(largest, std::abs(left.volume_fraction));
+  }
+  return 1.1 * largest;
 }
 
 Figure residual_figure(const MaterialReport& material) {
   std::string script = material_head("material_residuals") + inertia_axis(material);
-  script += "set ylabel '(measured − law) / s.e.'\nset offsets 0, 0, graph 0.05, graph 0.05\n";
+  script += "set ylabel '(measured − law) / s.e.'\n";
+  script += fmt::format("set yrange [-{0:.3g}:{0:.3g}]\n", residual_end(material));
   script += fmt::format(
       "plot 0 with lines lw 0.8 lc rgb 'black' notitle, \\\n"
       "     2 with lines lw 0.8 dt (2,3) lc rgb 'black' title '± 2 s.e.', \\\n"
@@ -155,12 +172,14 @@ Figure residual_figure(const MaterialReport& material) {
       residual_part("mu", false, 6, colour::measured, ""),
       residual_part("phi", true, 5, colour::predicted, "{/:Italic φ}"),
       residual_part("phi", false, 4, colour::predicted, "not fitted: hollow"));
-  return {.name = "material_residuals",
-          .script = script,
-          .label = "Residuals of both laws in standard errors, against inertial number",
-          .caption =
-              "What the laws leave of every point, in standard errors of the measured "
-              "value. Points far outside ± 2 are missed by the law, not by chance"_html};
+  return {
+      .name = "material_residuals",
+      .script = script,
+      .label = "Residuals of both laws in standard errors, against inertial number",
+      .caption =
+          "What the laws leave of every point, in standard errors of the measured "
+          "value. Points far outside ± 2 are missed by the law, not by chance; hollow ones farther "
+          "off than any fitted point are in the table only"_html};
 }
 
 void add_cost_figures(const MaterialReport& material, FigureGroup& group) {

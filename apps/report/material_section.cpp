@@ -72,7 +72,7 @@ Table coefficient_table(const MaterialReport& material,
       .rows = {},
       .text_columns = 1};
   if (material.reference) {
-    result.head.push_back(text(material.reference_name));
+    result.head.push_back(code(material.reference_name));
     result.head.push_back("Difference [s.e.]"_html);
   }
   const auto add = [&](const FittedCoefficient& coefficient) {
@@ -154,9 +154,9 @@ Table point_table(const MaterialReport& material) {
   for (std::size_t i = 0; i < material.points.size(); ++i) {
     const calibration::StatePoint& point = material.points[i];
     const LawValue left = residual(material, point);
-    result.rows.push_back({text(point.name),
-                           text(significant(point.inertial_number.value, 4)),
-                           text(significant(point.softness.value, 4)),
+    result.rows.push_back({code(point.name),
+                           text(significant(point.inertial_number.value, 3)),
+                           text(significant(point.softness.value, 3)),
                            text(significant(point.bond_number.value, 3)),
                            text(with_error(point.friction)),
                            text(fixed(left.friction, 1)),

@@ -8,6 +8,8 @@
 #include <numbers>
 #include <string_view>
 
+#include "dem/estimate_text.h"
+
 namespace grainlaw::report {
 namespace {
 
@@ -59,28 +61,39 @@ std::string significant(double value, int digits) {
 }
 
 std::string interval(double lower, double upper) {
+  if (lower < 0.0 && upper > 0.0) {  // about 0: both ends to the same decimal
+    const int power = leading_power(std::max(-lower, upper), 3);
+    if (is_plain(power)) return fixed(lower, 2 - power) + " to " + fixed(upper, 2 - power);
+  }
   const std::string first = significant(lower, 3);
   const std::string last = significant(upper, 3);
   return first == last ? first : first + " to " + last;
 }
 
 std::string with_error(const dem::Estimate& estimate) {
-  const double value = estimate.value;
-  const double error = estimate.error;
-  if (!std::isfinite(value)) return std::string(absent);
-  if (!std::isfinite(error) || error <= 0.0) return significant(value, 4);
-  const int error_power = leading_power(error, 2);
-  const int power = std::max(error_power, value == 0.0 ? error_power : leading_power(value, 2));
-  if (is_plain(power) && error_power >= smallest_plain_power - 1) {
-    const int decimals = 1 - error_power;
-    return fixed(value, decimals) + " ± " + fixed(error, decimals);
+  if (!std::isfinite(estimate.value)) return std::string(absent);
+  if (!std::isfinite(estimate.error) || estimate.error <= 0.0) {
+    return significant(estimate.value, 4);
   }
-  const double unit = std::pow(10.0, power);
-  const int decimals = 1 - error_power + power;
-  return fmt::format("({} ± {}){}",
-                     fixed(value / unit, decimals),
-                     fixed(error / unit, decimals),
-                     power_of_ten(power));
+  std::string plain = value_with_error(estimate.value, estimate.error);
+  plain.replace(plain.find("+-"), 2, "±");
+  if (plain.front() == '-') plain.replace(0, 1, "−");
+  if (plain.starts_with("(-")) plain.replace(1, 1, "−");
+  const std::size_t power = plain.find(")e");
+  if (power == std::string::npos) return plain;
+  return plain.substr(0, power + 1) + power_of_ten(std::stoi(plain.substr(power + 2)));
+}
+
+std::string with_interval(const dem::Estimate& estimate, double lower, double upper) {
+  const std::string number = with_error(estimate);
+  if (!std::isfinite(estimate.value) || !std::isfinite(upper)) return number;
+  const bool scaled = number.find("×") != std::string::npos;
+  const auto end = [&](double x) {
+    if (x == 0.0) return std::string("0");
+    if (scaled || !(estimate.error > 0.0)) return significant(x, 2);
+    return fixed(x, 1 - leading_power(estimate.error, 2));
+  };
+  return fmt::format("{} [{}, {}]", number, end(lower), end(upper));
 }
 
 std::string percent_value(const dem::Estimate& ratio) {
@@ -107,6 +120,13 @@ std::string duration(double seconds) {
   const long whole = std::lround(seconds);
   if (whole < 3600) return fmt::format("{} min {:02} s", whole / 60, whole % 60);
   return fmt::format("{} h {:02} min", whole / 3600, whole % 3600 / 60);
+}
+
+std::string power_text(double value) {
+  const int power = leading_power(value, 6);
+  const std::string factor = with_minus_sign(fmt::format("{:.6g}", value / std::pow(10.0, power)));
+  const std::string times = power_of_ten(power);
+  return factor == "1" ? times.substr(times.find("10")) : factor + times;
 }
 
 std::string count(double number) {

@@ -20,6 +20,10 @@ std::string interval(double lower, double upper);
 /// the value with 4 digits.
 std::string with_error(const dem::Estimate& estimate);
 
+/// "0.564 ± 0.027 [0.484, 0.651]", the ends to the decimal of the error; no brackets where the
+/// upper end has no limit.
+std::string with_interval(const dem::Estimate& estimate, double lower, double upper);
+
 /// A ratio in percent, "3.12 ± 0.41 %".
 std::string percent(const dem::Estimate& ratio);
 /// Same without the sign, for table columns that carry it in the head.
@@ -33,6 +37,9 @@ std::string duration(double seconds);
 
 /// " × 10⁻⁵"
 std::string power_of_ten(int power);
+
+/// A number that somebody chose, as 2 × 10⁵.
+std::string power_text(double value);
 
 /// A whole number with thin spaces between thousands.
 std::string count(double number);

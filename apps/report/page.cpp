@@ -4,6 +4,7 @@
 
 #include "apps/report/sections.h"
 #include "apps/report/style_sheet.h"
+#include "apps/report/typeset.h"
 
 namespace grainlaw::report {
 namespace {
@@ -127,7 +128,7 @@ Html picture(const Figure& figure, const Pictures& pictures) {
 std::string whole_page(const ReportHead& report,
                        const std::vector<Part>& parts,
                        const Pictures& pictures) {
-  Html body = "<h1>"_html + text(report.title) + "</h1>\n"_html + made_by(report) +
+  Html body = "<h1>"_html + typeset(report.title) + "</h1>\n"_html + made_by(report) +
               contents(parts) + missing_pictures(pictures);
   for (const Part& part : parts) body += part.content;
   return "<!DOCTYPE html>\n<html lang=\"en\">\n" + head(report).markup + "<body>\n" + body.markup +

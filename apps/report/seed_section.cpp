@@ -1,5 +1,6 @@
 #include "apps/report/numbers.h"
 #include "apps/report/sections.h"
+#include "apps/report/typeset.h"
 
 namespace grainlaw::report {
 
@@ -17,8 +18,8 @@ Html seed_section(const Report& report) {
                .rows = {},
                .text_columns = 2};
   for (const SeedScatter& one : report.seeds) {
-    result.rows.push_back({text(one.condition),
-                           text(one.quantity),
+    result.rows.push_back({code(one.condition),
+                           typeset(one.quantity),
                            text(std::to_string(one.seeds)),
                            text(with_error(one.mean)),
                            text(significant(one.scatter, 2)),

@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
@@ -43,10 +42,14 @@ std::string curve_file(std::size_t k) {
   return fmt::format("lifetimes_{}.csv", k + 1);
 }
 
-std::string log_log_head(const std::string& name, const char* x, const char* y) {
-  return plot_head(name, series_size) +
+std::string log_log_head(const std::string& name,
+                         std::size_t entries,
+                         std::size_t longest_title,
+                         const char* x,
+                         const char* y) {
+  return plot_head(name, series_size) + key_above(entries, longest_title, series_size) +
          fmt::format(
-             "set tmargin at screen 0.76\nset logscale xy\nset format xy '10^{{%T}}'\n"
+             "set logscale xy\nset format xy '10^{{%T}}'\n"
              "set xlabel '{}'\nset ylabel '{}'\n",
              x,
              y);
@@ -56,19 +59,24 @@ Figure distribution_figure(const SeriesReport& series, const std::string& of, st
   const std::string name = fmt::format("lifetimes_series_{}", number);
   std::string parts;
   std::size_t line = 0;
+  std::size_t longest_title = 0;
   for (std::size_t k = 0; k < series.curves.size(); ++k) {
     if (series.curves[k].series != of) continue;
+    longest_title = std::max(longest_title, series.curves[k].name.size());
     parts += fmt::format("{}'{}' using \"gd t\":\"P\" with lines {} title '{}'",
                          parts.empty() ? "" : ", \\\n     ",
                          curve_file(k),
                          line_style(line++),
                          plot_text(series.curves[k].name));
   }
-  parts += fmt::format(", \\\n     0.1 with lines lw 1 dt (2,4) lc rgb '{}' title 'P = 0.1'",
-                       colour::band);
+  parts += fmt::format(
+      ", \\\n     0.1 with lines lw 1 dt (2,4) lc rgb '{}' title '{{/:Italic P}} = 0.1'",
+      colour::band);
   return {.name = name,
-          .script = log_log_head(name, "γ̇ {/:Italic t}", "{/:Italic P}(γ̇ {/:Italic t})") +
-                    "set yrange [1e-4:]\nplot " + parts + "\n",
+          .script =
+              log_log_head(
+                  name, line + 1, longest_title, "γ̇ {/:Italic t}", "{/:Italic P}(γ̇ {/:Italic t})") +
+              "set yrange [1e-4:]\nplot " + parts + "\n",
           .label = "Distribution of contact lifetimes, " + of,
           .caption = "Lifetimes of contacts scaled with the shear rate, "_html + text(of)};
 }
@@ -138,13 +146,49 @@ bool several_stiffnesses(const SeriesReport& series) {
   });
 }
 
-/// Upper limits of Xi: triangles that point down, with their bar.
-std::string limit_part(const char* x, std::size_t k) {
+constexpr std::string_view limit_title = "hollow: upper end";
+constexpr double mark_size = 0.9;
+
+/// Xi with its bars, and upper limits: the hollow shape of the series on an arrow that points down.
+std::string ratio_parts(const std::string& x, std::size_t k, const std::string& title) {
+  const std::string colour = point_style(k).substr(point_style(k).find("lc rgb"));
   return fmt::format(
-      ", \\\n     '{0}' using \"{1}\":\"Xi limit\" with points pt 10 ps 0.8 lc rgb '{2}' notitle",
+      "keyentry with points {3} title '{4}', \\\n     "
+      "'{0}' using {1}:\"Xi 1/2\":\"Xi 1/2 low\":\"Xi 1/2 high\" with yerrorbars {3} notitle, "
+      "\\\n     "
+      "'{0}' using {1}:\"Xi limit\":(0):(-0.45*column(\"Xi limit\")) with vectors head size "
+      "screen 0.012,25 filled lw 1 {2} notitle, \\\n     "
+      "'{0}' using {1}:\"Xi limit\" with points {5} notitle",
       points_file(k),
       x,
-      std::array{colour::measured, colour::predicted, colour::third, colour::fourth}[k % 4]);
+      colour,
+      point_style(k, mark_size),
+      title,
+      hollow_style(k, 1.2 * mark_size));
+}
+
+bool has_limits(const SeriesReport& series) {
+  return std::ranges::any_of(series.contacts.points, [](const ContactPoint& point) {
+    const auto& interval = point.ratio[1].interval;
+    return !(interval.lower > least_ratio) && interval.upper > 0.0 && std::isfinite(interval.upper);
+  });
+}
+
+/// What the hollow shapes are, as an entry of the key.
+std::string limit_key(const SeriesReport& series) {
+  return has_limits(series)
+             ? fmt::format(", \\\n     keyentry with points pt 6 ps 1 lc rgb 'black' title '{}'",
+                           limit_title)
+             : "";
+}
+
+constexpr const char* limit_caption =
+    "; bars: 95 %; hollow with an arrow: upper end of the 95 %, where <i>Ξ</i> is not told from 0";
+
+/// Series of one stiffness stand beside each other.
+std::string beside(const char* column, std::size_t k, std::size_t of) {
+  const double place = static_cast<double>(k) - 0.5 * static_cast<double>(of - 1);
+  return fmt::format("(column(\"{}\")*{:.4g})", column, std::pow(1.12, place));
 }
 
 std::string power(const RatioLaw& law, const std::string& title, std::size_t style) {
@@ -158,43 +202,47 @@ std::string power(const RatioLaw& law, const std::string& title, std::size_t sty
 Figure ratio_figure(const SeriesReport& series, const std::vector<std::string>& names) {
   const std::string name = "series_ratio";
   std::string parts;
+  std::size_t entries = names.size() + 1;
   for (std::size_t k = 0; k < names.size(); ++k) {
-    parts += fmt::format(
-        "{}'{}' using \"kn\":\"Xi 1/2\":\"Xi 1/2 low\":\"Xi 1/2 high\" with yerrorbars {} "
-        "title '{}'",
-        parts.empty() ? "" : ", \\\n     ",
-        points_file(k),
-        point_style(k),
-        plot_text(names[k]));
-    parts += limit_part("kn", k);
+    parts += parts.empty() ? "" : ", \\\n     ";
+    parts += ratio_parts(beside("kn", k, names.size()), k, plot_text(names[k]));
     for (const calibration::StiffnessLaws& laws : series.contacts.stiffness) {
-      if (laws.series == names[k] && laws.ratio[1]) {
-        parts += power(*laws.ratio[1], "its power law", k);
-      }
+      if (laws.series != names[k] || !laws.ratio[1]) continue;
+      parts += power(*laws.ratio[1], "its power law", k);
+      ++entries;
     }
   }
-  return {
-      .name = name,
-      .script =
-          log_log_head(name, "{/:Italic k}_n {/:Italic d}/({/:Italic m g})", "Ξ at half height") +
-          "plot " + parts + "\n",
-      .label = "Ratio of the linear to the quadratic stress against stiffness",
-      .caption =
-          "<i>Ξ</i> at half height against the stiffness; bars: 95 %, open triangles: its upper end where <i>Ξ</i> is not told from 0"_html};
+  return {.name = name,
+          .script = log_log_head(name,
+                                 entries,
+                                 std::max(longest(names), limit_title.size()),
+                                 "{/:Italic k}_n {/:Italic d}/({/:Italic m g})",
+                                 "{/:Italic Ξ} at half height") +
+                    stiffness_axis(series) + "plot " + parts + limit_key(series) + "\n",
+          .label = "Ratio of the linear to the quadratic stress against stiffness",
+          .caption =
+              "<i>Ξ</i> at half height against the stiffness; beside each other: the same "
+              "stiffness"_html +
+              Html{limit_caption}};
+}
+
+/// A fifth beyond the longest lifetime.
+double lifetime_end(const SeriesReport& series) {
+  double longest = 0.0;
+  for (const ContactPoint& point : series.contacts.points) {
+    if (point.tail_sampled) longest = std::fmax(longest, point.long_lifetime.value);
+  }
+  return longest > 0.0 ? 1.2 * longest : 1.5;
 }
 
 Figure lifetime_figure(const SeriesReport& series, const std::vector<std::string>& names) {
   const std::string name = "series_lifetime";
   std::string parts;
+  std::size_t entries = names.size() + 2;
+  const std::size_t longest_title = std::max(longest(names), limit_title.size());
   for (std::size_t k = 0; k < names.size(); ++k) {
-    parts += fmt::format(
-        "{}'{}' using \"gd tau_l\":\"Xi 1/2\":\"Xi 1/2 low\":\"Xi 1/2 high\" with yerrorbars {} "
-        "title '{}'",
-        parts.empty() ? "" : ", \\\n     ",
-        points_file(k),
-        point_style(k),
-        plot_text(names[k]));
-    parts += limit_part("gd tau_l", k);
+    parts += parts.empty() ? "" : ", \\\n     ";
+    parts += ratio_parts("\"gd tau_l\"", k, plot_text(names[k]));
   }
   if (series.contacts.lifetime_law) {
     const RatioLaw& law = *series.contacts.lifetime_law;
@@ -203,24 +251,30 @@ Figure lifetime_figure(const SeriesReport& series, const std::vector<std::string
         "title 'fit'",
         law.factor.value,
         law.rate.value);
+    ++entries;
   }
   parts += fmt::format(
       ", \\\n     0.03 * exp(4.9 * x) with lines lw 1 dt (3,3) lc rgb '{}' "
-      "title 'Brewster et al. 2008'",
+      "title 'Brewster et al.'",
       colour::band);
   return {.name = name,
-          .script = plot_head(name, series_size) +
-                    "set tmargin at screen 0.76\nset logscale y\nset format y '10^{%T}'\n"
-                    "set xlabel 'γ̇ τ_l'\nset ylabel 'Ξ at half height'\nset xrange [0:1.5]\n"
-                    "set yrange [1e-3:*]\nplot " +
-                    parts + "\n",
+          .script = plot_head(name, series_size) + key_above(entries, longest_title, series_size) +
+                    "set logscale y\nset format y '10^{%T}'\n"
+                    "set xlabel 'γ̇ {/:Italic τ}_l'\nset ylabel '{/:Italic Ξ} at half height'\n" +
+                    fmt::format("set xrange [0:{:.3g}]\nset yrange [1e-3:*]\nplot ",
+                                lifetime_end(series)) +
+                    parts + limit_key(series) + "\n",
           .label = "Ratio of the linear to the quadratic stress against the long contact lifetime",
-          .caption = "<i>Ξ</i> against the long lifetime, where <i>P</i> = 0.1; bars: 95 %"_html};
+          .caption =
+              "<i>Ξ</i> against the long lifetime, where <i>P</i> = 0.1; dotted: Brewster et al. "
+              "(2008), eq. 14"_html +
+              Html{limit_caption}};
 }
 
 Figure collision_figure(const SeriesReport& series, const std::vector<std::string>& names) {
   const std::string name = "series_collisions";
   std::string parts;
+  std::size_t entries = names.size();
   for (std::size_t k = 0; k < names.size(); ++k) {
     parts +=
         fmt::format("{0}'{1}' using \"kn\":\"Nc\":\"Nc error\" with yerrorbars {2} title '{3}'",
@@ -238,6 +292,8 @@ Figure collision_figure(const SeriesReport& series, const std::vector<std::strin
   }
   return {.name = name,
           .script = log_log_head(name,
+                                 entries,
+                                 std::max(longest(names), limit_title.size()),
                                  "{/:Italic k}_n {/:Italic d}/({/:Italic m g})",
                                  "{/:Italic N}_c √({/:Italic d}/{/:Italic g})") +
                     stiffness_axis(series) + "plot " + parts + "\n",

@@ -13,12 +13,14 @@ namespace {
 using calibration::ContactPoint;
 using calibration::FittedCoefficient;
 
-Html with_interval(const FittedCoefficient& c) {
-  if (!std::isfinite(c.value)) return text("–");
-  return text(fmt::format("{} [{}, {}]",
-                          with_error({.value = c.value, .error = c.error}),
-                          significant(c.interval.lower, 2),
-                          significant(c.interval.upper, 2)));
+Html interval_cell(const FittedCoefficient& c) {
+  return text(
+      with_interval({.value = c.value, .error = c.error}, c.interval.lower, c.interval.upper));
+}
+
+/// "2000", "2 × 10⁵": a number that somebody chose.
+std::string stiffness_text(double stiffness) {
+  return stiffness < 1e4 ? significant(stiffness, 4) : power_text(stiffness);
 }
 
 Table ratio_table(const calibration::ContactSeries& contacts, const std::string& law) {
@@ -36,17 +38,17 @@ Table ratio_table(const calibration::ContactSeries& contacts, const std::string&
   if (!law.empty()) {
     result.head.push_back("<i>Ξ</i>(<i>h</i>/2) of the law"_html);
     result.caption +=
-        " Of the law: the flow that "_html + text(law) +
+        " Of the law: the flow that the table "_html + code(law) +
         " predicts, fitted alike; its stress knows softness and a yield that depends on the "
         "pressure, and no lifetimes of contacts."_html;
   }
   for (const ContactPoint& point : contacts.points) {
     result.rows.push_back({text(point.series),
-                           text(point.name),
-                           text(significant(point.stiffness, 3)),
-                           with_interval(point.ratio[0]),
-                           with_interval(point.ratio[1]),
-                           with_interval(point.ratio[2])});
+                           code(point.name),
+                           text(stiffness_text(point.stiffness)),
+                           interval_cell(point.ratio[0]),
+                           interval_cell(point.ratio[1]),
+                           interval_cell(point.ratio[2])});
     if (law.empty()) continue;
     result.rows.back().push_back(
         text(point.ratio_of_law ? significant(*point.ratio_of_law, 3) : "no flow"));
@@ -71,7 +73,7 @@ Table lifetime_table(const calibration::ContactSeries& contacts) {
   for (const ContactPoint& point : contacts.points) {
     if (!point.has_lifetimes()) continue;
     result.rows.push_back(
-        {text(point.name),
+        {code(point.name),
          text(significant(point.mean.value, 3)),
          text(significant(point.mode.value, 3)),
          text(point.tail_sampled ? with_error(point.long_lifetime) : "not sampled"),
@@ -90,8 +92,8 @@ void add_law(Table& result,
   if (!fit) return;
   result.rows.push_back({text(series),
                          Html{law},
-                         with_interval(fit->factor),
-                         with_interval(fit->rate),
+                         interval_cell(fit->factor),
+                         interval_cell(fit->rate),
                          text(published)});
 }
 
@@ -104,20 +106,20 @@ Table law_table(const calibration::ContactSeries& contacts) {
       .rows = {},
       .text_columns = 2};
   for (const calibration::StiffnessLaws& laws : contacts.stiffness) {
-    const std::array symbols{"<i>Ξ</i>(<i>h</i>/4) = <i>J k<sup>α</sup></i>",
-                             "<i>Ξ</i>(<i>h</i>/2) = <i>J k<sup>α</sup></i>",
-                             "<i>Ξ</i>(3<i>h</i>/4) = <i>J k<sup>α</sup></i>"};
+    const std::array symbols{"<i>Ξ</i>(<i>h</i>/4) = <i>J k<sub>n</sub><sup>α</sup></i>",
+                             "<i>Ξ</i>(<i>h</i>/2) = <i>J k<sub>n</sub><sup>α</sup></i>",
+                             "<i>Ξ</i>(3<i>h</i>/4) = <i>J k<sub>n</sub><sup>α</sup></i>"};
     for (std::size_t k = 0; k < symbols.size(); ++k) {
       add_law(result, laws.series, symbols[k], laws.ratio[k], "1.25 × 10⁵, −1.3");
     }
     add_law(result,
             laws.series,
-            "<i>N<sub>c</sub></i> ∝ <i>k<sup>α</sup></i>",
+            "<i>N<sub>c</sub></i> ∝ <i>k<sub>n</sub><sup>α</sup></i>",
             laws.collision_rate,
             "0.25");
     add_law(result,
             laws.series,
-            "<i>t</i><sub>mean</sub> ∝ <i>k<sup>α</sup></i>",
+            "<i>t</i><sub>mean</sub> ∝ <i>k<sub>n</sub><sup>α</sup></i>",
             laws.mean_lifetime,
             "−0.5");
   }

@@ -54,13 +54,15 @@ table { border-collapse: collapse; border-top: 1.5px solid var(--ink);
   border-bottom: 1.5px solid var(--ink); font: 0.84rem/1.35 system-ui, "Segoe UI", Roboto,
   "DejaVu Sans", sans-serif; font-variant-numeric: tabular-nums lining-nums; }
 caption { text-align: left; color: var(--soft); padding-bottom: 0.45rem; }
-th, td { padding: 0.28rem 0 0.28rem 1.05rem; text-align: right; white-space: nowrap; }
+th, td { padding: 0.28rem 0 0.28rem 1.05rem; text-align: right; }
+th code, td code { font-size: 0.95em; overflow-wrap: break-word; }
 th { font-weight: 600; vertical-align: bottom; }
-thead th { border-bottom: 1px solid var(--ink); white-space: normal; min-width: 4.2rem; }
+thead th { border-bottom: 1px solid var(--ink); }
 th.words, td.words { text-align: left; }
 td { vertical-align: top; }
-.prose { display: inline-block; white-space: normal; width: 26rem; text-align: left; }
-.prose.short { width: 13rem; }
+.prose { display: inline-block; width: min(26rem, 32vw); text-align: left; }
+.prose.short { width: min(16rem, 30vw); }
+@media (max-width: 52rem) { table { font-size: 0.76rem; } th, td { padding-left: 0.6rem; } }
 tr > :first-child { padding-left: 0.2rem; }
 tr > :last-child { padding-right: 0.2rem; }
 tr.group th { padding-top: 0.8rem; font-style: italic; font-weight: 400; }

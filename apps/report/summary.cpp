@@ -312,7 +312,7 @@ std::vector<Line> series_lines(const calibration::ContactSeries& contacts) {
       {"<i>Ξ</i> at half height"_html,
        text(fmt::format(
            "Told from 0 in {} of the runs; upper ends of the 95 % "
-           "intervals {}.",
+           "intervals: {}.",
            told == 0 ? "none" : share_text(told, all),
            std::isfinite(most) ? interval(least, most) : significant(least, 2) + " to no limit"))});
   if (high > 0.0)

@@ -88,18 +88,19 @@ std::string value_axis(const Csv& csv, std::size_t first, std::size_t step, std:
 constexpr const char* time_label = "averaging time / √({/:Italic d}/{/:Italic g})";
 
 std::string head(const std::string& name,
+                 std::size_t entries,
                  const Csv& csv,
                  std::size_t x,
                  const std::string& x_label,
                  const std::string& y_label) {
-  return plot_head(name) + "set tmargin at screen 0.80\nset logscale xy\n" +
+  return plot_head(name) + key_above(entries, entries > 3 ? 8 : 16) + "set logscale xy\n" +
          log_axis('x', 0.8 * csv.rows.front()[x], 1.25 * csv.rows.back()[x]) +
          fmt::format("set xlabel '{}'\nset ylabel '{}'\n", x_label, y_label);
 }
 
 std::string law_script(const std::string& name, const Csv& csv) {
   const std::string shown = guide(csv, 0, 3, csv.columns.size());
-  return head(name, csv, 0, time_label, "relative error of {/:Italic I}") +
+  return head(name, 3, csv, 0, time_label, "relative error of {/:Italic I}") +
          value_axis(csv, 2, 1, 4) +
          fmt::format(
              "plot {3}'{0}' using \"{1}\":\"law standard error\" with linespoints "
@@ -144,7 +145,12 @@ std::string profile_script(const Report& report,
     if (!has_number(csv, 4 + 2 * k)) continue;
     parts += (parts.empty() ? "" : ", \\\n     ") + run_part(report, csv, x, k);
   }
-  return head(name, csv, x, label, "velocity error, relative {/:Italic L}_2") +
+  return head(name,
+              report.runs.size() + 1,
+              csv,
+              x,
+              label,
+              "velocity error, relative {/:Italic L}_2") +
          value_axis(csv, 4, 2, csv.columns.size()) + "plot " + parts + "\n";
 }
 

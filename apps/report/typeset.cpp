@@ -15,7 +15,9 @@ const std::map<std::string_view, std::string_view>& symbols() {
       {"I", "<i>I</i>"},
       {"I_mu", "<i>I<sub>μ</sub></i>"},
       {"I_phi", "<i>I<sub>φ</sub></i>"},
+      {"L_2", "<i>L</i><sub>2</sub>"},
       {"N_c", "<i>N<sub>c</sub></i>"},
+      {"N_eff", "<i>N</i><sub>eff</sub>"},
       {"R_c", "<i>R<sub>c</sub></i>"},
       {"R_s", "<i>R<sub>s</sub></i>"},
       {"Xi", "<i>Ξ</i>"},
@@ -23,6 +25,8 @@ const std::map<std::string_view, std::string_view>& symbols() {
       {"beta", "<i>β</i>"},
       {"c0", "<i>c</i><sub>0</sub>"},
       {"chi", "<i>χ</i>"},
+      {"d_c", "<i>d<sub>c</sub></i>"},
+      {"d_eff", "<i>d</i><sub>eff</sub>"},
       {"delta", "<i>δ</i>"},
       {"f_B", "<i>f<sub>B</sub></i>"},
       {"f_a", "<i>f<sub>a</sub></i>"},
@@ -30,6 +34,7 @@ const std::map<std::string_view, std::string_view>& symbols() {
       {"g_c", "<i>g<sub>c</sub></i>"},
       {"g_p", "<i>g<sub>p</sub></i>"},
       {"gd", "<i>γ̇</i>"},
+      {"h_stop", "<i>h</i><sub>stop</sub>"},
       {"k_n", "<i>k<sub>n</sub></i>"},
       {"kappa", "<i>κ</i>"},
       {"mu", "<i>μ</i>"},
@@ -45,6 +50,10 @@ const std::map<std::string_view, std::string_view>& symbols() {
       {"phi", "<i>φ</i>"},
       {"phi0", "<i>φ</i><sub>0</sub>"},
       {"rho_p", "<i>ρ<sub>p</sub></i>"},
+      {"sigma_xy", "<i>σ<sub>xy</sub></i>"},
+      {"sigma_xz", "<i>σ<sub>xz</sub></i>"},
+      {"sigma_yy", "<i>σ<sub>yy</sub></i>"},
+      {"sigma_zz", "<i>σ<sub>zz</sub></i>"},
       {"sqrt", "√"},
       {"t_mean", "<i>t</i><sub>mean</sub>"},
       {"t_mode", "<i>t</i><sub>mode</sub>"},
@@ -77,6 +86,7 @@ class Typesetter {
   void next() {
     if (is_letter(rest_.front())) return word();
     if (take("+-")) return add("±");
+    if (rest_.starts_with(")e") && rest_.size() > 2 && power_of_bracket()) return;
     if (rest_.starts_with("p*")) return add("<i>p</i>*");
     if (rest_.front() == '^' && rest_.size() > 1 && is_letter(rest_[1])) return power();
     const bool sign = rest_.front() == '-' && rest_.size() > 1 && is_digit(rest_[1]);
@@ -124,26 +134,50 @@ class Typesetter {
       result_.markup.pop_back();
       return add("°");
     }
+    if (word == "us" && follows_number()) return add("µs");
     const auto known = symbols().find(word);
-    // part of a name with dashes, as in a path
-    const bool named = last_ == '/' || last_ == '-' || rest_.starts_with(".");
+    // part of a name with dashes, as in a path; a ratio of two symbols is none
+    const bool ratio = result_.markup.ends_with("</sub>/") || result_.markup.ends_with("</i>/");
+    const bool named = (last_ == '/' && !ratio) || last_ == '-';
     if (known != symbols().end() && !(named && word.size() > 2)) return add(known->second);
-    result_ += text(word);
+    const bool is_name = word.find('_') != word.npos && last_ != '/' && !rest_.starts_with("/");
+    result_ += is_name ? code(word) : text(word);
     last_ = 'x';
   }
 
-  /// "1.2e-06" and "3e+08"; false: no number with a power of ten.
+  /// "7 "
+  bool follows_number() const {
+    const std::string& text = result_.markup;
+    return text.size() > 1 && text.back() == ' ' && is_digit(text[text.size() - 2]);
+  }
+
+  /// "1.2e-06", "3e+08" and "2e5"; false: no number with a power of ten.
   bool number() {
     std::size_t end = 0;
     while (end < rest_.size() && (is_digit(rest_[end]) || rest_[end] == '.')) ++end;
-    if (end + 2 >= rest_.size() || rest_[end] != 'e') return false;
-    if (rest_[end + 1] != '-' && rest_[end + 1] != '+') return false;
-    std::size_t last = end + 2;
+    if (end + 1 >= rest_.size() || rest_[end] != 'e') return false;
+    const std::size_t digits = end + (rest_[end + 1] == '-' || rest_[end + 1] == '+' ? 2 : 1);
+    std::size_t last = digits;
     while (last < rest_.size() && is_digit(rest_[last])) ++last;
-    if (last == end + 2) return false;
+    if (last == digits || (last < rest_.size() && is_letter(rest_[last]))) return false;
     const int power = std::stoi(std::string(rest_.substr(end + 1, last - end - 1)));
-    add(std::string(rest_.substr(0, end)) + power_of_ten(power));
+    const std::string times = power_of_ten(power);
+    const std::string_view factor = rest_.substr(0, end);
+    const bool alone = factor == "1" && last_ != '.';
+    add(alone ? times.substr(times.find("10")) : std::string(factor) + times);
     rest_.remove_prefix(last);
+    return true;
+  }
+
+  /// ")e-07" of "(3.19 +- 0.24)e-07"
+  bool power_of_bracket() {
+    std::size_t end = rest_[2] == '-' || rest_[2] == '+' ? 3 : 2;
+    const std::size_t digits = end;
+    while (end < rest_.size() && is_digit(rest_[end])) ++end;
+    if (end == digits) return false;
+    add(")");
+    add(power_of_ten(std::stoi(std::string(rest_.substr(2, end - 2)))));
+    rest_.remove_prefix(end);
     return true;
   }
 
@@ -161,8 +195,13 @@ class Typesetter {
 };
 
 void replace_all(std::string& in, std::string_view what, std::string_view by) {
-  for (std::size_t at = in.find(what); at != std::string::npos; at = in.find(what, at + by.size()))
-    in.replace(at, what.size(), by);
+  std::string out;
+  std::size_t begin = 0;
+  for (std::size_t at = in.find(what); at != std::string::npos; at = in.find(what, begin)) {
+    out.append(in, begin, at - begin).append(by);
+    begin = at + what.size();
+  }
+  in = out.append(in, begin);
 }
 
 }  // namespace
@@ -173,6 +212,14 @@ Html typeset(std::string_view plain) {
 
 std::string plot_symbol(const Html& symbol) {
   std::string result = symbol.markup;
+  for (const char* special : {"{", "}", "&#39;", "&quot;", "`", "@", "~", "%", "\\"}) {
+    replace_all(result, special, " ");
+  }
+  replace_all(result, "_", "\\_");
+  replace_all(result, "&amp;", "\\&");
+  replace_all(result, "&lt;", "<");
+  replace_all(result, "&gt;", ">");
+  for (const char* tag : {"<code>", "</code>", "<wbr/>"}) replace_all(result, tag, "");
   replace_all(result, "<i>", "{/:Italic ");
   replace_all(result, "</i>", "}");
   replace_all(result, "<sub>", "_{");

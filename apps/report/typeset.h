@@ -12,7 +12,7 @@ namespace grainlaw::report {
 /// does.
 Html typeset(std::string_view plain);
 
-/// Markup of a symbol as enhanced text of gnuplot.
+/// Markup of a symbol or of a typeset sentence as enhanced text of gnuplot, in single quotes.
 std::string plot_symbol(const Html& symbol);
 
 }  // namespace grainlaw::report

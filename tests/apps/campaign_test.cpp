@@ -174,7 +174,7 @@ TEST_F(Campaigns, ARunWhosePhysicsFailsIsNamedAndTheOthersGoOn) {
   EXPECT_EQ(output.json()["runs"], 4) << output.text;
   EXPECT_NE(output.json()["runs_failed"].dump().find("I0.17_p0.01_Bo0"), std::string::npos);
   EXPECT_NE(read(path("out/runs/failed/I0.17_p0.01_Bo0.txt")).find("overlap"), std::string::npos);
-  EXPECT_NE(read(path("out/report.html")).find("I0.17_p0.01_Bo0"), std::string::npos);
+  EXPECT_NE(read(path("out/report.html")).find("I0.17_<wbr/>p0.01_<wbr/>Bo0"), std::string::npos);
 }
 
 TEST_F(Campaigns, AStoppedCampaignGoesOnToTheSameTable) {

@@ -26,7 +26,7 @@ TEST(Advice, TakesTheCheapestSettingThatIsSurelyGoodEnough) {
       {point("coarse", 1.0, 0.009, 0.004), point("fine", 10.0, 0.002), point("finer", 100.0, 1e-4)},
       0.01);
   ASSERT_EQ(advice.size(), 1);
-  EXPECT_NE(advice[0].find("use fine (10 CPU s; error 0.2 %)"), std::string::npos) << advice[0];
+  EXPECT_NE(advice[0].find("use fine (10 CPU s; error 0.20 %)"), std::string::npos) << advice[0];
 }
 
 TEST(Advice, DoesNotPraiseWhatNoiseHides) {

@@ -127,7 +127,7 @@ TEST(ContactFrictionFit, CoefficientFollowsFromTheTablesThatStateIt) {
   const auto tables = mostly_of_phi_only();
   const auto curves = fit_friction_dependences(tables);
   EXPECT_EQ(curves.coefficients.at("phi0").deviation.size(), tables.size());
-  EXPECT_TRUE(testing::mentions(curves.left_out, "mu0, beta, kappa: 2 of 5 tables"));
+  EXPECT_TRUE(testing::mentions(curves.left_out, "mu0, beta, kappa: stated by 2 of 5 tables"));
   const auto between = interpolate(curves, tables.back(), 0.25);
   EXPECT_FALSE(between.has_friction);
   EXPECT_NE(failure([&] { interpolate(curves, tables.front(), 0.25); }).find("mu0"),

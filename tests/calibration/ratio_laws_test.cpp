@@ -35,7 +35,7 @@ TEST(RatioLaws, StiffGrainsWhoseRatioIsNotDetectedAreNamedAndLeftOut) {
   const RatioLaw law = fit_ratio_power_law(stiffness_series());
   EXPECT_EQ(law.used, (std::vector<bool>{true, true, true, true, false, false, false}));
   EXPECT_TRUE(mentions(law.summary.left_out,
-                       "k_n = 200000 is left out: Xi = 0.0161 +- 0.05 is not detected"));
+                       "k_n = 200000 is left out: Xi = 0.016 +- 0.050 is not detected"));
   const RatioLaw without_softest = fit_ratio_power_law(stiffness_series(), {.least_x = 3e3});
   EXPECT_TRUE(mentions(without_softest.summary.left_out, "outside 3e+03"));
 }

@@ -30,6 +30,20 @@ TEST(Numbers, VerySmallAndVeryLargeNumbersShowTheirPowerOfTen) {
   EXPECT_EQ(significant(0.0, 3), "0");
 }
 
+TEST(Numbers, ValueAndErrorEndAtTheSameDecimal) {
+  EXPECT_EQ(with_error({.value = 0.31, .error = 0.063}), "0.310 ± 0.063");
+  EXPECT_EQ(with_error({.value = 1.0, .error = 1.2e-12}), "1.0000000000000 ± 0.0000000000012");
+  EXPECT_EQ(with_error({.value = 3.4e6, .error = 1.2e5}), "(3.40 ± 0.12) × 10⁶");
+  EXPECT_EQ(with_error({.value = 3.4e-12, .error = 1e-12}), "(3.4 ± 1.0) × 10⁻¹²");
+  EXPECT_EQ(with_error({.value = 0.0, .error = 0.02}), "0.000 ± 0.020");
+  EXPECT_EQ(with_error({.value = 0.0, .error = 0.0}), "0");
+  EXPECT_EQ(with_interval({.value = 0.564, .error = 0.027}, 0.484, 0.651),
+            "0.564 ± 0.027 [0.484, 0.651]");
+  EXPECT_EQ(with_interval({.value = 0.0, .error = 0.022}, 0.0, 0.0713), "0.000 ± 0.022 [0, 0.071]");
+  EXPECT_EQ(with_interval({.value = 0.2, .error = 0.1}, 0.0, INFINITY), "0.20 ± 0.10");
+  EXPECT_EQ(interval(-0.00197, 7.99e-5), "−0.00197 to 0.00008");
+}
+
 TEST(Numbers, WhatIsNotThereIsADash) {
   EXPECT_EQ(with_error({}), "–");
   EXPECT_EQ(percent({}), "–");
@@ -59,9 +73,20 @@ TEST(Typeset, SentencesOfTheProgramReadAsInPrint) {
 }
 
 TEST(Typeset, NamesOfRunsAndFilesStayAsTheyAre) {
-  for (const char* name :
-       {"mu0.5_I0.02_p0.01", "hooke_kn2e5", "table.toml", "shi2020_mu_p_0.50", "runs/theta24.h5"})
-    EXPECT_EQ(typeset(name).markup, name);
+  for (const char* name : {"mu0.5_I0.02_p0.01", "hooke_kn2e5", "shi2020_mu_p_0.50"})
+    EXPECT_EQ(typeset(name).markup, code(name).markup);
+  EXPECT_EQ(code("a_b").markup, "<code>a_<wbr/>b</code>");
+  for (const char* name : {"table.toml", "runs/theta24.h5"}) EXPECT_EQ(typeset(name).markup, name);
+}
+
+TEST(Typeset, PowersOfTenAndRatiosOfSymbols) {
+  const auto of = [](const char* plain) { return typeset(plain).markup; };
+  EXPECT_EQ(of("k_n = 2e5"), "<i>k<sub>n</sub></i> = 2 × 10⁵");
+  EXPECT_EQ(of("rtol 1e-06"), "rtol 10⁻⁶");
+  EXPECT_EQ(of("(3.19 +- 0.24)e-07"), "(3.19 ± 0.24) × 10⁻⁷");
+  EXPECT_EQ(of("R_c/R_s."), "<i>R<sub>c</sub></i>/<i>R<sub>s</sub></i>.");
+  EXPECT_EQ(of("5 us"), "5 µs");
+  EXPECT_EQ(plot_symbol(typeset("k_n of kn2e5_theta23")), "{/:Italic k_{n}} of kn2e5\\_theta23");
 }
 
 TEST(Typeset, SymbolsBecomeEnhancedTextOfGnuplot) {
@@ -77,8 +102,9 @@ TEST(Figure, NamesOfRunsBecomeSafeFileNamesAndPlotText) {
   RunComparison run;
   run.data.name = "../a b'c\"<&";
   EXPECT_EQ(file_stem(run, 3), "3_a_b_c");
-  const std::string shown = plot_text("a'b\"c\\d_{e}^f@g\n%");
-  EXPECT_EQ(shown.find_first_of("'\"\\_{}^@\n%"), std::string::npos);
+  const std::string shown = plot_text("a'b\"c\\d{e}^f@g\n%");
+  EXPECT_EQ(shown.find_first_of("'\"\\{}^@\n%"), std::string::npos);
+  EXPECT_EQ(plot_text("kn2e5_theta23, fitted"), "kn2e5\\_theta23, fitted");
 }
 
 double channel(double value) {
