@@ -66,8 +66,8 @@ void check(const RingFlowCase& ring, const RingFlowOptions& options) {
   const double amplitude = ring.nonlocal_amplitude.value_or(0.0);
   constexpr double longest = 1e3;  // A is about 0.5 for grains
   if (!(amplitude >= 0.0 && amplitude <= longest))
-    throw std::invalid_argument(
-        fmt::format("the nonlocal amplitude A = {:g} must lie between 0 and {:g}", amplitude, longest));
+    throw std::invalid_argument(fmt::format(
+        "the nonlocal amplitude A = {:g} must lie between 0 and {:g}", amplitude, longest));
   if (!(options.cell_width > 0.0)) throw std::invalid_argument("cells must have a width");
   constexpr double most_cells = 2e5;  // a minute, 1 GB
   const double area = (ring.outer_radius - ring.inner_radius) * ring.cell.depth / (d * d);
