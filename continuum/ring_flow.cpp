@@ -9,7 +9,6 @@
 #include <stdexcept>
 
 #include "continuum/fixed_point.h"
-#include "continuum/layer.h"
 #include "continuum/nonlocal_fluidity.h"
 #include "continuum/range_flags.h"
 #include "continuum/ring_fluidity.h"
@@ -189,21 +188,6 @@ RingFlowRow row_of(const Problem& problem, const Solution& solution, std::size_t
   return row;
 }
 
-std::vector<RangeFlag> flags_of(const Problem& problem,
-                                const RheologyTable& table,
-                                const std::vector<RingFlowRow>& rows) {
-  Profile profile;
-  profile.height = problem.depth;
-  for (const RingFlowRow& row : rows)
-    profile.rows.push_back({.z = row.z,
-                            .mass_above = row.pressure,
-                            .shear_rate = row.shear_rate,
-                            .pressure = row.pressure,
-                            .volume_fraction = row.volume_fraction,
-                            .inertial_number = row.inertial_number});
-  return range_flags({.law = problem.law, .grains = problem.grains}, table, profile);
-}
-
 /// Relative L2 distance of the velocities of two meshes, over the nodes of the finer one.
 double distance(const Solution& fine, const Solution& coarse) {
   double difference = 0.0, sum = 0.0;
@@ -314,7 +298,8 @@ RingFlow ring_flow(const RheologyTable& table,
         return row.width < thinnest_credible_band;
       });
   flow.answer = answer_of(problem, fine, flow.rows);
-  flow.answer.out_of_domain = flags_of(problem, table, flow.rows);
+  flow.answer.out_of_domain =
+      filling_flags(problem.law, problem.grains, table, problem.depth, flow.rows);
   flow.r = fine.mesh.r();
   flow.z = fine.mesh.z();
   flow.rotation = fine.rotation;

@@ -8,7 +8,6 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "continuum/layer.h"
 #include "continuum/range_flags.h"
 
 namespace grainlaw::continuum {
@@ -109,24 +108,6 @@ double fill_rows(const MuPhi& law,
               std::hypot(1.0, path.slope) * part;
   }
   return torque;
-}
-
-std::vector<RangeFlag> flags_of(const MuPhi& law,
-                                const GrainProperties& grains,
-                                const RheologyTable& table,
-                                double depth,
-                                const std::vector<SplitBottomRow>& rows) {
-  Profile profile;
-  profile.height = depth;
-  for (const SplitBottomRow& row : rows)
-    profile.rows.push_back({.z = row.z,
-                            .mass_above = row.pressure,
-                            .shear_rate = row.shear_rate,
-                            .pressure = row.pressure,
-                            .volume_fraction = row.volume_fraction,
-                            .inertial_number = row.inertial_number});
-  const Layer layer{.law = law, .grains = grains};
-  return range_flags(layer, table, profile);
 }
 
 /// Pressure is highest at the bottom, so softness takes the friction of the lowest row first.
@@ -267,7 +248,7 @@ SplitBottom split_bottom(const RheologyTable& table, const SplitBottomCase& cell
                           "function across it",
                           paths.surface_radius.front(),
                           measured_surface_radius(ratio)),
-      .out_of_domain = flags_of(*law, grains, table, cell.depth / d, result.rows)};
+      .out_of_domain = filling_flags(*law, grains, table, cell.depth / d, result.rows)};
   to_case_units(cell, result);
   return result;
 }
