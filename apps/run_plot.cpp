@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -58,11 +59,27 @@ struct Panel {
   std::vector<std::array<double, 3>> points{};  ///< x, y, standard error (0: not known)
 };
 
+/// So that four or five labels stand along x: more would touch each other.
+double tic_step(const Panel& panel, bool error_along_x) {
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const auto& [x, y, error] : panel.points) {
+    if (!std::isfinite(x)) continue;
+    const double bar = error_along_x && std::isfinite(error) ? error : 0.0;
+    low = std::fmin(low, x - bar);
+    high = std::fmax(high, x + bar);
+  }
+  const double rough = high > low ? (high - low) / 4.0 : 1.0;
+  const double decade = std::pow(10.0, std::floor(std::log10(rough)));
+  for (const double digit : {1.0, 2.0, 5.0}) {
+    if (digit * decade >= rough) return digit * decade;
+  }
+  return 10.0 * decade;
+}
+
 std::string script(const std::vector<Panel>& panels, bool error_along_x) {
   std::string text =
       "set output 'picture'\nset encoding utf8\nset border 3\nset tics nomirror out scale 0.5\n"
-      "set format '%g'\nset errorbars 0\nunset key\nset rmargin 4\nset xtics autofreq rotate by "
-      "-45\n"
+      "set format '%g'\nset minussign\nset errorbars 0\nunset key\nset rmargin 4\n"
       "set multiplot layout 1,3\n";
   for (const Panel& panel : panels) {
     text += "$points << END\n";
@@ -70,7 +87,10 @@ std::string script(const std::vector<Panel>& panels, bool error_along_x) {
       text += fmt::format("{} {} {}\n", x, y, std::isfinite(error) ? error : 0.0);
     }
     text += "END\n";
-    text += fmt::format("set xlabel '{}'\nset ylabel '{}'\n", panel.x_axis, panel.y_axis);
+    text += fmt::format("set xlabel '{}'\nset ylabel '{}'\nset xtics {:g}\n",
+                        panel.x_axis,
+                        panel.y_axis,
+                        tic_step(panel, error_along_x));
     text += fmt::format("plot $points using 1:2:3 with {} pt 7 ps 0.4 lc rgb '#2b7fc4'\n",
                         error_along_x ? "xerrorbars" : "yerrorbars");
   }
@@ -97,18 +117,21 @@ std::vector<Panel> profiles(const dem::LocalData& data) {
 
 /// phi, mu and T of a box that is the same everywhere, frame by frame.
 std::vector<Panel> histories(const dem::LocalData& data) {
-  const std::string time = "{/:Italic t} √({/:Italic g / d})";
-  Panel fraction{time, fraction_axis};
-  Panel friction{time, friction_axis};
-  Panel temperature{time, "{/:Italic T / gd}"};
+  const std::string strain = "strain γ̇ {/:Italic t}";  // such a box knows no gravity
+  const double d = data.conditions.grain_diameter;
+  Panel fraction{strain, fraction_axis};
+  Panel friction{strain, friction_axis};
+  Panel temperature{strain, "{/:Italic T} / (γ̇ {/:Italic d})²"};
   for (const dem::ProfileFrame& frame : data.frames.frames) {
     const auto rows =
         dem::average(data.frames, data.conditions, {true, frame.begin, frame.end, {}, {}});
     if (rows.empty()) continue;
-    const double t = 0.5 * (frame.begin + frame.end);
-    fraction.points.push_back({t, rows.front().volume_fraction.value, 0.0});
-    friction.points.push_back({t, rows.front().friction.value, 0.0});
-    temperature.points.push_back({t, rows.front().temperature.value, 0.0});
+    const dem::LocalRow& row = rows.front();
+    const double rate = row.shear_rate.value;
+    const double t = 0.5 * (frame.begin + frame.end) * rate;
+    fraction.points.push_back({t, row.volume_fraction.value, 0.0});
+    friction.points.push_back({t, row.friction.value, 0.0});
+    temperature.points.push_back({t, row.temperature.value / (rate * d * rate * d), 0.0});
   }
   return {fraction, friction, temperature};
 }

@@ -12,7 +12,7 @@ void require_plottable(const std::filesystem::path& picture);
 
 /// Draws velocity, volume fraction and friction of the window against height (in a ring cell
 /// against the radius) with their standard errors; of a box that is the same everywhere its
-/// volume fraction, friction and temperature over time. Throws io::FileError, also where there is
+/// volume fraction, friction and temperature over strain. Throws io::FileError, also where there is
 /// nothing to draw.
 void plot(const dem::LocalData& data, const std::filesystem::path& picture);
 

@@ -29,7 +29,8 @@ std::string wrapped(const std::string& text, std::size_t indent) {
   std::size_t column = indent;
   std::size_t begin = 0;
   while (begin < text.size()) {
-    const std::size_t end = std::min(text.find(' ', begin), text.size());
+    std::size_t end = std::min(text.find(' ', begin), text.size());
+    if (text.compare(end, 2, " %") == 0) end = std::min(text.find(' ', end + 1), text.size());
     const std::string word = text.substr(begin, end - begin);
     if (column > indent && column + 1 + word.size() > text_columns) {
       out += '\n' + std::string(indent, ' ');
@@ -102,9 +103,10 @@ std::string Summary::text() const {
       out += (out.empty() ? "" : "\n") + entry.label + '\n';
       continue;
     }
-    const std::string value = entry.has_error
-                                  ? value_with_error(std::get<double>(entry.value), entry.error)
-                                  : value_text(entry.value, width + 2);
+    const double* x = std::get_if<double>(&entry.value);
+    const bool known = x != nullptr && std::isfinite(*x) && !(entry.error > 0.0);
+    const std::string value = entry.has_error && !known ? value_with_error(*x, entry.error)
+                                                        : value_text(entry.value, width + 2);
     out += fmt::format("{:<{}}  {}", entry.label, width, value);
     if (!entry.unit.empty()) out += ' ' + entry.unit;
     if (!entry.trust.convergence.empty()) out += " (" + entry.trust.convergence + ')';

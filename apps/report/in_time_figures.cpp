@@ -196,7 +196,7 @@ void add_profiles(FigureGroup& group,
 }  // namespace
 
 FigureGroup in_time_figures(const RunComparison& run, std::size_t number) {
-  FigureGroup group{.title = text(run.data.name), .data = {}, .figures = {}};
+  FigureGroup group{.title = code(run.data.name), .data = {}, .figures = {}};
   Csv means = mean_velocity_csv(run);
   if (means.rows.empty()) return group;
   const std::string mean = file_stem(run, number) + "_mean_velocity";

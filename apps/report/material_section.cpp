@@ -193,7 +193,7 @@ Table information_table(const Html& law, const LawInformation& information) {
                .text_columns = 1};
   for (std::size_t i = 0; i < std::min(most_rows, information.runs.size()); ++i) {
     const RunInformation& run = information.runs[i];
-    result.rows.push_back({text(run.run),
+    result.rows.push_back({code(run.run),
                            text(std::to_string(run.points)),
                            text(run.wall_seconds > 0.0 ? duration(run.wall_seconds) : "–"),
                            text(significant(run.gain, 3)),

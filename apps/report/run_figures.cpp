@@ -175,7 +175,8 @@ Html caption(const Quantity& quantity) {
 }  // namespace
 
 FigureGroup profile_figures(const RunComparison& run, std::size_t number) {
-  FigureGroup group{.title = text(run_title(run)), .data = {}, .figures = {}};
+  FigureGroup group{
+      .title = code(run.data.name) + text(", " + run_title(run)), .data = {}, .figures = {}};
   if (run.data.rows.empty()) return group;
   const std::string stem = file_stem(run, number);
   const Files files{stem + "_dem.csv", stem + "_continuum.csv", stem + "_band.csv"};
@@ -185,10 +186,11 @@ FigureGroup profile_figures(const RunComparison& run, std::size_t number) {
   if (has_band(run)) group.data[files.band] = band_outline(predicted);
   for (const Quantity& quantity : quantities(run)) {
     const std::string name = stem + "_" + quantity.name;
-    group.figures.push_back({.name = name,
-                             .script = script(name, quantity, files, run),
-                             .label = quantity.label + " against height, " + run_title(run),
-                             .caption = caption(quantity)});
+    group.figures.push_back(
+        {.name = name,
+         .script = script(name, quantity, files, run),
+         .label = quantity.label + " against height, " + run.data.name + ", " + run_title(run),
+         .caption = caption(quantity)});
   }
   return group;
 }

@@ -58,6 +58,7 @@ th, td { padding: 0.28rem 0 0.28rem 1.05rem; text-align: right; }
 th code, td code { font-size: 0.95em; overflow-wrap: break-word; }
 th { font-weight: 600; vertical-align: bottom; }
 thead th { border-bottom: 1px solid var(--ink); }
+thead th:not(.words) { max-width: 6.2rem; }
 th.words, td.words { text-align: left; }
 td { vertical-align: top; }
 .prose { display: inline-block; width: min(26rem, 32vw); text-align: left; }

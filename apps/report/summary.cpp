@@ -330,8 +330,19 @@ std::vector<Line> series_lines(const calibration::ContactSeries& contacts) {
   return result;
 }
 
+/// The law and its predictions are shown of one table only.
+Line tables_line(const Report& report) {
+  return {
+      "Tables"_html,
+      text(fmt::format("{}, ", report.tables.size())) +
+          "side by side under <a href=\"#scores\">errors by kind</a>; what follows is of "_html +
+          code(report.tables.front().name) + ", the first."_html};
+}
+
 std::vector<Line> lines(const Report& report) {
-  std::vector<Line> result = {friction_line(report)};
+  std::vector<Line> result;
+  if (report.tables.size() > 1) result.push_back(tables_line(report));
+  result.push_back(friction_line(report));
   const auto add = [&](const std::optional<Line>& line) {
     if (line) result.push_back(*line);
   };

@@ -60,7 +60,9 @@ const std::map<std::string_view, std::string_view>& symbols() {
       {"tau", "<i>τ</i>"},
       {"tau_c", "<i>τ<sub>c</sub></i>"},
       {"tau_l", "<i>τ<sub>l</sub></i>"},
-      {"theta", "<i>θ</i>"}};
+      {"theta", "<i>θ</i>"},
+      {"u", "<i>u</i>"},
+      {"z", "<i>z</i>"}};
   return known;
 }
 
@@ -86,6 +88,7 @@ class Typesetter {
   void next() {
     if (is_letter(rest_.front())) return word();
     if (take("+-")) return add("±");
+    if (take(" %")) return add("\u00a0%");
     if (rest_.starts_with(")e") && rest_.size() > 2 && power_of_bracket()) return;
     if (rest_.starts_with("p*")) return add("<i>p</i>*");
     if (rest_.front() == '^' && rest_.size() > 1 && is_letter(rest_[1])) return power();

@@ -67,7 +67,7 @@ TEST(Typeset, SentencesOfTheProgramReadAsInPrint) {
   EXPECT_EQ(of("mu0 + beta I^n"), "<i>μ</i><sub>0</sub> + <i>β</i> <i>I</i><sup>n</sup>");
   EXPECT_EQ(of("Bo^beta p*^g"), "Bo<sup><i>β</i></sup> <i>p</i>*<sup>g</sup>");
   EXPECT_EQ(of("1.2e-06 +- 3e-07"), "1.2 × 10⁻⁶ ± 3 × 10⁻⁷");
-  EXPECT_EQ(of("z = -0.5 to 0.5"), "z = −0.5 to 0.5");
+  EXPECT_EQ(of("z = -0.5 to 0.5"), "<i>z</i> = −0.5 to 0.5");
   EXPECT_EQ(of("at 23 deg"), "at 23°");
   EXPECT_EQ(of("a < b & tau_c"), "a &lt; b &amp; <i>τ<sub>c</sub></i>");
 }
