@@ -275,7 +275,7 @@ Prediction predict_chute(const continuum::RheologyTable& table, const dem::Local
 void note_band(report::RunComparison& run, const continuum::RheologyTable& table) {
   const auto band =
       continuum::sample_error_band(run.steady, table, chute_case(run.data.conditions));
-  if (band && !band->agrees) run.notes.push_back("band: " + band->text);
+  if (band && !band->agrees) run.notes.push_back(run.data.name + ", band: " + band->text);
 }
 
 report::RunComparison compare_run(const dem::LocalData& data,

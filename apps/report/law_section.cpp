@@ -203,6 +203,7 @@ Html coefficient_symbol(const std::string& name) {
       {"a", "<i>a</i>"_html},
       {"b", "<i>b</i>"_html},
       {"tau_c", "<i>τ<sub>c</sub></i>"_html},
+      {"volume_fraction", "<i>φ</i>"_html},
       {"no_slip_height", "<i>z</i><sub>0</sub>, no-slip height"_html},
       {"mass_below", "mass below <i>z</i><sub>0</sub>"_html}};
   const auto found = known.find(name);

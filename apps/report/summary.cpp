@@ -277,8 +277,8 @@ Line cost_line(const Report& report) {
   const double fitted =
       report.fit ? report.fit->friction.wall_seconds + report.fit->volume_fraction.wall_seconds
                  : 0.0;
-  std::string sentence =
-      "DEM " + duration(measured) + (report.runs.size() > 1 ? " (sum over the chutes)" : "");
+  std::string sentence = "DEM " + (measured > 0.0 ? duration(measured) : "not stated") +
+                         (report.runs.size() > 1 ? " (sum over the chutes)" : "");
   if (report.fit) sentence += ", fit " + duration(fitted);
   const std::size_t runs = report.runs.size();
   sentence += runs == 1 ? ", the prediction " : fmt::format(", all {} predictions ", runs);
