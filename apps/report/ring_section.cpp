@@ -62,7 +62,7 @@ std::vector<Html> law_row(const FlowComparison& flow, const LawOfRing& law) {
 Table law_table(const Report& report, const FlowComparison& flow) {
   const double d = flow.data.conditions.grain_diameter;
   Table result{
-      .caption = text(flow.data.name) +
+      .caption = code(flow.data.name) +
                  typeset(fmt::format(": rotation over radius and height. Centre at {:.3g} d, width "
                                      "there and at {:.3g} d, of error functions fitted alike.",
                                      flow.ring->rows.back().z / d,
@@ -96,9 +96,9 @@ std::vector<Html> height_row(const RingBandRow& row, double d) {
 
 Table height_table(const FlowComparison& flow) {
   const double d = flow.data.conditions.grain_diameter;
-  Table rows{.caption = text(flow.data.name +
-                             ": error functions fitted at each height. The rate is that measured "
-                             "at the centre over that of the error function."),
+  Table rows{.caption = code(flow.data.name) +
+                        ": error functions fitted at each height. The rate is that measured at the "
+                        "centre over that of the error function."_html,
              .head = {"<i>z</i> / <i>d</i>"_html,
                       "<i>R<sub>c</sub></i> / <i>d</i>"_html,
                       "<i>W</i> / <i>d</i>"_html,
