@@ -57,10 +57,11 @@ void mark_ordered(std::span<StatePoint> points) {
   for (StatePoint& point : points)
     if (point.unfit.empty()) open.push_back(&point);
   while (!open.empty()) {
-    const auto others = std::ranges::stable_partition(
-        open, [&](const StatePoint* point) { return same_state(*point, *open.front()); });
-    const std::vector<StatePoint*> same(open.begin(), others.begin());
-    open.assign(others.begin(), others.end());
+    const StatePoint& first = *open.front();
+    const auto others = std::stable_partition(
+        open.begin(), open.end(), [&](const StatePoint* p) { return same_state(*p, first); });
+    const std::vector<StatePoint*> same(open.begin(), others);
+    open.erase(open.begin(), others);
     if (same.size() < fewest) continue;
     const Spread friction(same, &StatePoint::friction);
     const Spread fraction(same, &StatePoint::volume_fraction);
